@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+namespace condyle::bindings {
+void bind_common(nb::module_& m);
+void bind_contact_model(nb::module_& m);
+void bind_geometry(nb::module_& m);
+void bind_contact(nb::module_& m);
+void bind_surrogate(nb::module_& m);
+void bind_fdk(nb::module_& m);
+void bind_io(nb::module_& m);
+}  // namespace condyle::bindings
+
+NB_MODULE(_core, m) {
+  using namespace condyle::bindings;
+  m.doc() = "Condyle's C++ core. Use the condyle package; this module is its inside.";
+  nb::module_ common = m.def_submodule("common", "Conventions: poses, wrenches, clinical kinematics.");
+  nb::module_ geometry = m.def_submodule("geometry", "Triangle meshes and distances.");
+  nb::module_ contact = m.def_submodule("contact", "Contact models.");
+  nb::module_ surrogate = m.def_submodule("surrogate", "Neural surrogates of the contact model.");
+  nb::module_ fdk = m.def_submodule("fdk", "Static equilibrium and the knee simulator.");
+  nb::module_ io = m.def_submodule("io", "Tables in files.");
+  bind_common(common);
+  bind_contact_model(contact);
+  bind_geometry(geometry);
+  bind_contact(contact);
+  bind_surrogate(surrogate);
+  bind_fdk(fdk);
+  bind_io(io);
+}

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far one contact model's answers are from another's: over samples, and over simulated activities."""
+
+from condyle.evaluation.metrics import ErrorStatistics, error_statistics
+from condyle.evaluation.sample_errors import sample_error_table
+from condyle.evaluation.simulation_errors import (
+    KINEMATICS,
+    kinematics_error_table,
+    simulation_load_error_table,
+)
+
+__all__ = [
+    "KINEMATICS",
+    "ErrorStatistics",
+    "error_statistics",
+    "kinematics_error_table",
+    "sample_error_table",
+    "simulation_load_error_table",
+]

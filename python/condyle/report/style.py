@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One look for all figures, and one way to save them."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib
+from matplotlib.figure import Figure
+
+#: Colour-blind safe (Okabe & Ito 2008): medial, lateral, total; reference solid, surrogate dashed.
+COLOURS: Final = {"medial": "#0072B2", "lateral": "#D55E00", "total": "#222222"}
+DOMAIN_COLOURS: Final = {
+    1: "#56B4E9",
+    2: "#0072B2",
+    3: "#009E73",
+    4: "#E69F00",
+    5: "#CC79A7",
+    6: "#999999",
+}
+#: Pressure from none (near white) to high.
+PRESSURE_MAP: Final = "YlOrRd"
+
+_SETTINGS: Final[dict[str, Any]] = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "legend.frameon": False,
+    "figure.dpi": 110,
+    "savefig.dpi": 150,
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Applies the look within a with-block, leaving the caller's matplotlib as it was."""
+    with matplotlib.rc_context(_SETTINGS):
+        yield
+
+
+def save(figure: Figure, file: Path) -> Path:
+    """Saves a figure as PNG, whole or not at all, without a date in it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    partial = file.with_name(file.name + ".partial")
+    figure.savefig(partial, format="png", metadata={"Software": None})
+    os.replace(partial, file)
+    return file

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Result tables as Markdown; the same rows as tables.json."""
+
+from typing import Any
+
+from condyle.conventions import LOAD_COLUMNS, SIDES
+
+Rows = list[dict[str, Any]]
+
+
+def _markdown(header: list[str], rows: list[list[str]]) -> str:
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def _samples(report: dict[str, Any]) -> str:
+    header = ["domain", "train", "test", "candidates", "accepted", "evaluations per accepted sample"]
+    rows = [
+        [
+            str(row["domain"]),
+            str(row["train"]),
+            str(row["test"]),
+            str(row["candidates"]),
+            f"{100.0 * row['acceptance']:.1f} %",
+            f"{row['evaluations_per_accepted']:.1f}",
+        ]
+        for row in report["domains"]
+    ]
+    return "## Samples\n\n" + _markdown(header, rows)
+
+
+def _sample_errors(rows: Rows) -> str:
+    text = "## Held-out samples: RMSE (maximum error), N and Nm\n\n"
+    domains = list(dict.fromkeys(row["domain"] for row in rows))
+    by_key = {(r["domain"], r["side"], r["load"]): r for r in rows}
+    body = []
+    for domain in domains:
+        for side in SIDES:
+            cells = [by_key[domain, side, load] for load in LOAD_COLUMNS]
+            body.append(
+                [domain, side, *(f"{_number(c['rmse'])} ({_number(c['max_error'])})" for c in cells)]
+            )
+    text += _markdown(["domain", "side", *LOAD_COLUMNS], body)
+    text += "\nR² over loaded samples (the side carries Fy > 0):\n\n"
+    body = [
+        [
+            side,
+            *(
+                "–" if (r2 := by_key["all", side, load]["loaded_r2"]) is None else f"{r2:.5f}"
+                for load in LOAD_COLUMNS
+            ),
+        ]
+        for side in SIDES
+    ]
+    return text + _markdown(["side", *LOAD_COLUMNS], body)
+
+
+def _activity_errors(title: str, rows: Rows) -> str:
+    body = [
+        [
+            row["activity"],
+            row["quantity"],
+            row["unit"],
+            _number(row["rmse"]),
+            _number(row["max_error"]),
+            "–" if row["r2"] is None else f"{row['r2']:.4f}",
+        ]
+        for row in rows
+    ]
+    header = ["activity", "quantity", "unit", "RMSE", "maximum", "R²"]
+    return f"## {title}\n\n" + _markdown(header, body)
+
+
+def _times(rows: Rows) -> str:
+    body = [
+        [
+            row["what"],
+            _number(row["reference_s"]),
+            _number(row["surrogate_s"]),
+            _number(row["reference_s"] / row["surrogate_s"]),
+        ]
+        for row in rows
+    ]
+    header = ["what", "reference [s]", "surrogate [s]", "ratio"]
+    return "## Wall times, one thread, this machine\n\n" + _markdown(header, body)
+
+
+def render_tables(name: str, tables: dict[str, Any]) -> str:
+    """The whole tables.md of a run, from whichever tables its stages have written."""
+    parts = [f"# {name}\n"]
+    if tables.get("samples"):
+        parts.append(_samples(tables["samples"]))
+    if tables.get("sample_errors"):
+        parts.append(_sample_errors(tables["sample_errors"]))
+    if tables.get("simulation_loads"):
+        title = "Simulated activities, surrogate against reference: loads"
+        parts.append(_activity_errors(title, tables["simulation_loads"]))
+    if tables.get("simulation_kinematics"):
+        title = "Simulated activities, surrogate against reference: kinematics"
+        parts.append(_activity_errors(title, tables["simulation_kinematics"]))
+    if tables.get("times"):
+        parts.append(_times(tables["times"]))
+    return "\n".join(parts)
