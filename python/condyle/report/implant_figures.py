@@ -60,15 +60,17 @@ def implant_figure(
     vertices = femur[0] @ rotation_TF.T + p_TFo_T
     groups = [(_to_plot_axes(vertices)[femur[1]], _METAL)]
     groups += [(_to_plot_axes(v)[f], _POLYETHYLENE) for v, f in inserts]
-    for triangles, base in groups:
-        view.add_collection3d(
-            Poly3DCollection(triangles, facecolors=_shaded(triangles, base), edgecolors="none")
-        )
-    everything = np.concatenate([t.reshape(-1, 3) for t, _ in groups])
+    # One collection, so that faces of all parts are sorted by depth together.
+    triangles = np.concatenate([t for t, _ in groups])
+    shades = np.concatenate([_shaded(t, base) for t, base in groups])
+    view.add_collection3d(
+        Poly3DCollection(triangles, facecolors=shades, edgecolors=shades, linewidths=0.3)
+    )
+    everything = triangles.reshape(-1, 3)
     low, high = everything.min(axis=0), everything.max(axis=0)
     view.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    view.set_box_aspect(high - low)
-    view.view_init(elev=12, azim=58)
+    view.set_box_aspect(high - low, zoom=1.25)
+    view.view_init(elev=10, azim=35)  # from the front and the right
     view.set_axis_off()
     view.set_title(title)
 
