@@ -62,12 +62,18 @@ void bind_contact_model(nb::module_& m) {
   nb::enum_<Derivatives>(m, "Derivatives")
       .value("none", Derivatives::kNone)
       .value("stiffness", Derivatives::kStiffness);
+  // The arrays own their memory already: hand out the same one at each access, and keep nothing else alive.
+  constexpr auto kShared = nb::rv_policy::reference;
   nb::class_<LoadArrays>(m, "LoadArrays", "Loads of a contact model at n poses; axis 1 is (medial, lateral).")
-      .def_ro("wrench", &LoadArrays::wrench, "(n, 2, 6) on the femur, at Fo, expressed in T [N, Nm].")
+      .def_ro("wrench", &LoadArrays::wrench, kShared,
+              "(n, 2, 6) on the femur, at Fo, expressed in T [N, Nm].")
       .def_ro("stiffness", &LoadArrays::stiffness, "(n, 2, 6, 6) d wrench_i / d pose_j, or None.")
-      .def_ro("error", &LoadArrays::error, "(n, 2, 6) calibrated 95 % bound on each load.")
-      .def_ro("trust", &LoadArrays::trust, "(n,) 1 well inside what the model knows, 0 outside.")
-      .def_ro("implausible_depth", &LoadArrays::implausible, "(n,) bool.");
+      .def_ro("error", &LoadArrays::error, kShared,
+              "(n, 2, 6) calibrated 95 % bound on each load.")
+      .def_ro("trust", &LoadArrays::trust, kShared,
+              "(n,) 1 well inside what the model knows, 0 outside.")
+      .def_ro("implausible_depth", &LoadArrays::implausible, kShared,
+              "(n,) bool.");
   nb::class_<ContactModel>(m, "ContactModel",
                            "Maps poses (n, 6) [m, rad] of the femur in the tibial frame to contact wrenches per side.")
       .def_prop_ro("side_of_body", &ContactModel::side_of_body)

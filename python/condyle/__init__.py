@@ -3,8 +3,8 @@
 
 Each capability is a module: :mod:`condyle.implants`, :mod:`condyle.contact`, :mod:`condyle.sampling`,
 :mod:`condyle.training` (needs torch), :mod:`condyle.surrogate`, :mod:`condyle.fdk`, :mod:`condyle.activities`,
-:mod:`condyle.evaluation`, :mod:`condyle.report`, :mod:`condyle.study`, and the ``condyle`` command. Importing this package
-imports none of them.
+:mod:`condyle.evaluation`, :mod:`condyle.report`, :mod:`condyle.study`, and the ``condyle`` command.
+Importing this package imports none of them.
 """
 
 from importlib.metadata import PackageNotFoundError, version

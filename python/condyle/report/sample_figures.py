@@ -66,12 +66,16 @@ def domain_figure(
             if column == 0:
                 axis.set_ylabel(row_label)
     handles = [
-        figure.axes[0].plot([], [], "o", color=DOMAIN_COLOURS.get(d, "#000000"), label=f"domain {d}")[0]
+        figure.axes[0].plot(
+            [], [], "o", color=DOMAIN_COLOURS.get(d, "#000000"), label=f"domain {d}"
+        )[0]
         for d in sorted(set(domains.tolist()))
     ]
     handles += figure.axes[0].plot([], [], "k-", label="reference curves: " + ", ".join(curves))
     figure.legend(handles=handles, loc="upper right", fontsize=11)
-    figure.suptitle(f"Sampled domains: pose and total load ({len(points)} samples, every {step}. shown)")
+    figure.suptitle(
+        f"Sampled domains: pose and total load ({len(points)} samples, every {step}. shown)"
+    )
     return figure
 
 
@@ -83,7 +87,8 @@ def parity_figure(
     """Surrogate against reference for every load of both sides over held-out samples.
 
     Args:
-        reference, surrogate: wrenches (n, 2, 6) [N, Nm].
+        reference: wrenches (n, 2, 6) [N, Nm].
+        surrogate: wrenches at the same poses.
         statistics: rows of the sample error table; those of domain ``all`` label the panels.
     """
     labels = {(r["side"], r["load"]): r for r in statistics if r["domain"] == "all"}

@@ -21,7 +21,14 @@ def _number(value: float | None) -> str:
 
 
 def _samples(report: dict[str, Any]) -> str:
-    header = ["domain", "train", "test", "candidates", "accepted", "evaluations per accepted sample"]
+    header = [
+        "domain",
+        "train",
+        "test",
+        "candidates",
+        "accepted",
+        "evaluations per accepted sample",
+    ]
     rows = [
         [
             str(row["domain"]),
@@ -45,7 +52,11 @@ def _sample_errors(rows: Rows) -> str:
         for side in SIDES:
             cells = [by_key[domain, side, load] for load in LOAD_COLUMNS]
             body.append(
-                [domain, side, *(f"{_number(c['rmse'])} ({_number(c['max_error'])})" for c in cells)]
+                [
+                    domain,
+                    side,
+                    *(f"{_number(c['rmse'])} ({_number(c['max_error'])})" for c in cells),
+                ]
             )
     text += _markdown(["domain", "side", *LOAD_COLUMNS], body)
     text += "\nR² over loaded samples (the side carries Fy > 0):\n\n"

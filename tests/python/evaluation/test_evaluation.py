@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
+
 from condyle.evaluation import (
     error_statistics,
     kinematics_error_table,
@@ -36,14 +37,19 @@ def test_a_side_in_the_air_does_not_count_towards_r2_but_does_towards_rmse():
     reference[:20, 1] = 0.0  # lateral lifted off
     surrogate = reference + 3.0
     domains = np.repeat([2, 4], 25)
-    rows = {(r["domain"], r["side"], r["load"]): r for r in sample_error_table(domains, reference, surrogate)}
+    rows = {
+        (r["domain"], r["side"], r["load"]): r
+        for r in sample_error_table(domains, reference, surrogate)
+    }
     assert len(rows) == 3 * 2 * 6
     lateral = rows["2", "lateral", "Fy"]
     assert (lateral["count"], lateral["loaded_count"]) == (25, 5)
     assert lateral["rmse"] == pytest.approx(3.0)
     assert rows["all", "medial", "Mx"]["count"] == 50
     loaded = reference[20:25, 1, 1]
-    assert lateral["loaded_r2"] == pytest.approx(1 - 5 * 9.0 / np.sum((loaded - loaded.mean()) ** 2))
+    assert lateral["loaded_r2"] == pytest.approx(
+        1 - 5 * 9.0 / np.sum((loaded - loaded.mean()) ** 2)
+    )
 
 
 def test_simulation_errors_are_in_the_units_shown():

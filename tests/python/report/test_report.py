@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
-from condyle.evaluation import kinematics_error_table, sample_error_table, simulation_load_error_table
+
+from condyle.evaluation import (
+    kinematics_error_table,
+    sample_error_table,
+    simulation_load_error_table,
+)
 from condyle.report import render_tables
 
 pytest.importorskip("matplotlib")
@@ -51,7 +56,9 @@ def test_figures_are_drawn_and_the_same_data_give_the_same_bytes(tmp_path):
     time = np.linspace(0.0, 1.0, 60)
     traces = [Trace(label, time, WRENCHES, POSES) for label in ("reference", "surrogate")]
     rows = sample_error_table(DOMAINS, WRENCHES, WRENCHES + 1.0)
-    vertices = np.array([[0.0, 0.0, 0.0], [0.02, 0.001, 0.0], [0.0, 0.002, 0.03], [0.02, 0.0, 0.03]])
+    vertices = np.array(
+        [[0.0, 0.0, 0.0], [0.02, 0.001, 0.0], [0.0, 0.002, 0.03], [0.02, 0.0, 0.03]]
+    )
     faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.int32)
     drawings = {
         "loads": lambda: loads_figure("gait", traces),
@@ -59,11 +66,18 @@ def test_figures_are_drawn_and_the_same_data_give_the_same_bytes(tmp_path):
         "samples": lambda: domain_figure(POSES, WRENCHES, DOMAINS, {"gait": (POSES, WRENCHES)}),
         "parity": lambda: parity_figure(WRENCHES, WRENCHES + 1.0, rows),
         "implant": lambda: implant_figure(
-            (vertices, faces), [(vertices, faces)], [np.array([0.0, 2e6])], np.eye(3), np.zeros(3), "knee"
+            (vertices, faces),
+            [(vertices, faces)],
+            [np.array([0.0, 2e6])],
+            np.eye(3),
+            np.zeros(3),
+            "knee",
         ),
     }
     with house_style():
         for name, draw in drawings.items():
-            first, second = (save(draw(), tmp_path / f"{name}_{i}.png").read_bytes() for i in (1, 2))
+            first, second = (
+                save(draw(), tmp_path / f"{name}_{i}.png").read_bytes() for i in (1, 2)
+            )
             assert len(first) > 5000, name
             assert first == second, name

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// condyle-sim simulate: a knee simulator's load case on meshes or on a surrogate.
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "condyle/fdk/knee_simulator.hpp"
+#include "condyle/io/load_case_table.hpp"
+#include "condyle/io/pose_table.hpp"
+#include "condyle/io/table.hpp"
+#include "condyle/surrogate/module_folder.hpp"
+#include "condyle/surrogate/onnx_contact_model.hpp"
+#include "implant_options.hpp"
+#include "load_columns.hpp"
+#include "subcommands.hpp"
+
+namespace condyle::apps {
+namespace {
+
+struct SimulateOptions {
+  ImplantOptions implant;
+  std::string load_case;
+  std::string out;
+  double insert_width = 0.0;  // 0: from the meshes, or the simulator's default
+};
+
+/// The load case delivered with the program.
+std::filesystem::path default_load_case() {
+  const std::filesystem::path file = surrogate::module_folder() / "iso_like_gait.csv";
+  if (!std::filesystem::exists(file)) {
+    throw std::invalid_argument("--load-case is missing, and there is no " + file.string() +
+                                " to take instead");
+  }
+  return file;
+}
+
+/// The contact model of the options; sets the insert's width where meshes tell it.
+std::unique_ptr<contact::ContactModel> read_model(const ImplantOptions& options,
+                                                  fdk::KneeSimulatorSettings& settings) {
+  if (options.surrogate.empty()) {
+    auto contact = read_mesh_contact(options);
+    settings.insert_width = insert_width(*contact);
+    return contact;
+  }
+  require_no_meshes(options);
+  auto model = std::make_unique<surrogate::OnnxContactModel>(options.surrogate);
+  if (!model->has_stiffness()) {
+    throw std::invalid_argument(options.surrogate +
+                                ": has the output wrench alone; a simulation needs stiffness");
+  }
+  return model;
+}
+
+void add_clinical(io::Table& table, const std::vector<fdk::KneeFrame>& frames) {
+  using Member = double ClinicalKinematics::*;
+  static constexpr std::pair<const char*, Member> kColumns[] = {
+      {"flexion_rad", &ClinicalKinematics::flexion},
+      {"adduction_rad", &ClinicalKinematics::adduction},
+      {"tibial_external_rotation_rad", &ClinicalKinematics::tibial_external_rotation},
+      {"anterior_tibial_translation_m", &ClinicalKinematics::anterior_tibial_translation},
+      {"distraction_m", &ClinicalKinematics::distraction},
+      {"lateral_tibial_translation_m", &ClinicalKinematics::lateral_tibial_translation}};
+  for (const auto& [column, member] : kColumns) {
+    std::vector<double> values;
+    values.reserve(frames.size());
+    for (const auto& frame : frames) values.push_back(frame.clinical.*member);
+    table.add_column(column, std::move(values));
+  }
+}
+
+/// Largest residual of a time frame in units of its tolerance: 1 is the limit of "converged".
+double scaled_residual(const fdk::KneeFrame& frame, const numerics::NewtonSettings& newton) {
+  const double force = frame.residual.head<3>().cwiseAbs().maxCoeff() / newton.force_tolerance;
+  const double moment = frame.residual.tail<2>().cwiseAbs().maxCoeff() / newton.moment_tolerance;
+  return std::max(force, moment);
+}
+
+io::Table simulation_table(const fdk::LoadCase& load_case, const fdk::KneeSimulation& simulation,
+                           const numerics::NewtonSettings& newton) {
+  std::vector<Pose> poses;
+  std::vector<contact::ContactLoads> loads;
+  std::vector<double> residual;
+  io::TextColumn status{"status", {}};
+  for (const auto& frame : simulation.frames) {
+    poses.push_back(frame.pose);
+    loads.push_back(frame.loads);
+    residual.push_back(scaled_residual(frame, newton));
+    status.values.emplace_back(name(frame.status));
+  }
+  io::Table table;
+  table.add_column("time_s", load_case.time);
+  io::add_poses(table, poses);
+  add_clinical(table, simulation.frames);
+  for (const Side side : {kMedial, kLateral}) add_wrench(table, side, loads);
+  table.add_column("residual", std::move(residual));
+  add_trust(table, loads);
+  table.text_columns.push_back(std::move(status));
+  return table;
+}
+
+int run(const SimulateOptions& options) {
+  const fdk::LoadCase load_case = io::read_load_case(
+      options.load_case.empty() ? default_load_case() : std::filesystem::path(options.load_case));
+  fdk::KneeSimulatorSettings settings;
+  const auto model = read_model(options.implant, settings);
+  if (options.insert_width != 0.0) settings.insert_width = options.insert_width;
+
+  const fdk::KneeSimulation simulation = fdk::simulate_knee(*model, load_case, settings);
+  io::write_whole(options.out,
+                  io::to_csv(simulation_table(load_case, simulation, settings.newton)));
+  if (!simulation.converged()) {
+    std::cerr << "condyle-sim: " << options.out << ": " << fdk::summary(simulation) << '\n';
+    return kNumericsFailed;
+  }
+  std::cout << options.out << ": " << fdk::summary(simulation) << '\n';
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command =
+      program.add_subcommand("simulate", "Knee simulator: kinematics and loads over a load case");
+  add_implant_options(*command, options->implant, "exact");
+  command->add_option("--load-case", options->load_case,
+                      "CSV: time_s,flexion_deg,axial_force_N,ap_force_N,ie_torque_Nm "
+                      "(default: iso_like_gait.csv beside the program)");
+  command->add_option("--out", options->out, "CSV to write: kinematics, loads per side, status")
+      ->required();
+  command
+      ->add_option("--insert-width", options->insert_width,
+                   "Width of the insert along z [m] (default: the meshes'; 0.074 with a surrogate)")
+      ->check(CLI::PositiveNumber);
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace condyle::apps

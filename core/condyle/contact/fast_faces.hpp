@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A compartment's faces arranged for the fast kernel: sorted so that neighbours are neighbours in memory, in two levels
+// of balls that can be culled at once, structure of arrays.
+#pragma once
+
+#include <vector>
+
+#include "condyle/contact/face_evaluation.hpp"
+#include "condyle/contact/fast_kernel.hpp"
+
+namespace condyle::contact::fast {
+
+/// Owns the arrays that a FacesView and a ClustersView look at.
+class SortedFaces {
+ public:
+  /// Faces without area are left out: they add to no sum. The order depends on the faces only.
+  explicit SortedFaces(const CompartmentFaces& faces);
+
+  FacesView faces() const;
+  ClustersView clusters() const;
+
+ private:
+  std::vector<double> x_, y_, z_, nx_, ny_, nz_, area_;
+  std::vector<Cluster> parents_, leaves_;
+};
+
+}  // namespace condyle::contact::fast

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``condyle run STUDY.toml``, its single stages, and ``condyle demo``."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+from rich.progress import Progress, TaskID
+
+from condyle.cli.console import console, progress_bar
+
+StudyFile = Annotated[Path, typer.Argument(help="Study, .toml")]
+Runs = Annotated[Path, typer.Option(help="Folder of run directories.")]
+Threads = Annotated[
+    int, typer.Option(min=0, help="Threads; 0 for all cores. No result depends on it.")
+]
+
+#: What each single-stage command does; earlier stages run first where they are not current.
+_COMMANDS: Final = {
+    "sample": "Samples the study's domains with the reference contact.",
+    "train": "Trains the surrogate and writes surrogate.onnx.",
+    "evaluate": "Compares the surrogate with held-out samples.",
+    "simulate": "Simulates the activities with the surrogate and compares with the reference.",
+    "report": "Writes tables and figures.",
+}
+
+
+class ScreenReporter:
+    """Shows stages as lines and their progress as a bar."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._task: TaskID | None = None
+        self._started = time.perf_counter()
+
+    def stage(self, name: str, text: str) -> None:
+        """Begins a stage."""
+        self._started = time.perf_counter()
+        console.print(f"[bold]{name:<10}[/bold] {text}", highlight=False)
+
+    def skipped(self, name: str) -> None:
+        """Says that nothing had to be done."""
+        console.print(f"[bold]{name:<10}[/bold] [dim]unchanged[/dim]")
+
+    def progress(self, task: str, fraction: float, note: str) -> None:
+        """Moves the bar."""
+        if self._task is None:
+            self._task = self._progress.add_task(task, total=1.0, note=note)
+        self._progress.update(self._task, description=task, completed=fraction, note=note)
+
+    def finished(self, name: str, text: str) -> None:
+        """Ends a stage, with its wall time."""
+        if self._task is not None:
+            self._progress.remove_task(self._task)
+            self._task = None
+        seconds = time.perf_counter() - self._started
+        console.print(f"           {text} [dim]({seconds:.0f} s)[/dim]", highlight=False)
+
+
+def _run(study_file: Path | None, until: str, runs: Path, threads: int) -> None:
+    from condyle.study import Study, StudyRun, read_study
+
+    study = read_study(study_file) if study_file is not None else Study(name="demo")
+    with progress_bar() as progress:
+        run = StudyRun(study, runs, threads, ScreenReporter(progress))
+        run.run(until)
+    console.print(f"\nresults: {run.context.directory.root}", highlight=False)
+
+
+def _stage_command(stage: str) -> Callable[[Path, Path, int], None]:
+    def command(study: StudyFile, runs: Runs = Path("runs"), threads: Threads = 0) -> None:
+        _run(study, stage, runs, threads)
+
+    return command
+
+
+def add_to(app: typer.Typer) -> None:
+    """Adds the commands to the root."""
+
+    @app.command(name="run")
+    def run_command(study: StudyFile, runs: Runs = Path("runs"), threads: Threads = 0) -> None:
+        """Runs a whole study: implant, reference simulation, samples, surrogate, errors, report."""
+        _run(study, "report", runs, threads)
+
+    for stage, text in _COMMANDS.items():
+        app.command(name=stage, help=text)(_stage_command(stage))
+
+    @app.command()
+    def demo(runs: Runs = Path("runs"), threads: Threads = 0) -> None:
+        """Runs the whole path on the built-in implant, into runs/demo."""
+        _run(None, "report", runs, threads)
+        console.print(
+            (runs / "demo" / "tables.md").read_text(encoding="utf-8"), highlight=False, markup=False
+        )

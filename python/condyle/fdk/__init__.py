@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Equilibrium of a knee replacement on any contact model: single samples and the knee simulator.
+
+:func:`solve_static_equilibria` finds, for prescribed {x, z, θy, θz} and contact loads {Fy, Mx}, the
+pose that carries them: what sampling needs. :func:`simulate_knee` runs a load case through the knee
+simulator: flexion driven, the five other coordinates found from equilibrium at each time frame. Both
+take any contact model (reference, surrogate, hybrid) and assume it frictionless and quasi-static.
+Numerics that do not work out are a status, never an exception.
+"""
+
+from condyle._core.fdk import (
+    EquilibriumStatus,
+    FrameStatus,
+    JacobianMethod,
+    KneeSimulatorSettings,
+    Ligament,
+    NewtonSettings,
+    RestraintSprings,
+    SettleSettings,
+    StaticEquilibriumSettings,
+    TouchSearch,
+)
+from condyle.fdk.knee_simulator import KneeSimulation, settled_pose, simulate_knee
+from condyle.fdk.ligaments import default_ligaments
+from condyle.fdk.static_equilibrium import StaticEquilibria, solve_static_equilibria
+
+__all__ = [
+    "EquilibriumStatus",
+    "FrameStatus",
+    "JacobianMethod",
+    "KneeSimulation",
+    "KneeSimulatorSettings",
+    "Ligament",
+    "NewtonSettings",
+    "RestraintSprings",
+    "SettleSettings",
+    "StaticEquilibria",
+    "StaticEquilibriumSettings",
+    "TouchSearch",
+    "default_ligaments",
+    "settled_pose",
+    "simulate_knee",
+    "solve_static_equilibria",
+]

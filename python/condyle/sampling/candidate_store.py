@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The evaluated candidates of a run, one Parquet part a chunk.
+
+Append-only, so a run goes on where it stopped:
+
+    DIRECTORY/candidates/domain-2/round-01/part-00017.parquet
+
+Round 0 is the pilot. The parts stay when the run is complete: they show where candidates were
+rejected, and why.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import pyarrow as pa
+
+from condyle.sampling.domain import SamplingDomain
+from condyle.sampling.equilibrium_protocol import StaticEquilibriumSolver
+from condyle.sampling.evaluate_chunk import ACCEPTED, INFEASIBLE, Chunk, evaluate_chunk
+from condyle.sampling.part_files import damaged, encode_part, read_part_record
+from condyle.sampling.plan import SamplingPlan
+from condyle.sampling.whole_files import write_whole
+
+CANDIDATES_FOLDER: Final = "candidates"
+#: Chunks in flight with an executor: enough to keep many workers busy, few enough to keep memory
+#: flat.
+_IN_FLIGHT: Final = 64
+
+
+@dataclass
+class Tally:
+    """Candidates and contact evaluations by status."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    evaluations: Counter[str] = field(default_factory=Counter)
+
+    def add(self, record: dict[str, Any]) -> None:
+        """Add a part's."""
+        self.counts.update(record["counts"])
+        self.evaluations.update(record["evaluations"])
+
+    def merge(self, other: Tally) -> None:
+        """Add another tally."""
+        self.counts.update(other.counts)
+        self.evaluations.update(other.evaluations)
+
+    @property
+    def candidates(self) -> int:
+        """All of them."""
+        return self.counts.total()
+
+    @property
+    def accepted(self) -> int:
+        """Those that can be samples."""
+        return self.counts[ACCEPTED]
+
+    @property
+    def solver_evaluations(self) -> int:
+        """Contact evaluations spent on candidates that statics allow."""
+        return self.evaluations.total() - sum(self.evaluations[reason] for reason in INFEASIBLE)
+
+
+def round_chunks(domain: int, round_number: int, round_size: int, rows: int) -> Iterator[Chunk]:
+    """The chunks of a round, in order."""
+    for start in range(0, round_size, rows):
+        yield Chunk(domain, round_number, round_size, start, min(start + rows, round_size))
+
+
+class CandidateStore:
+    """See the module docstring.
+
+    Args:
+        directory: The dataset's.
+        design_hash: The manifest's; part of every record.
+        plan: The sampling plan.
+        solver: The static equilibrium solver.
+        executor: Where chunks are evaluated; in this thread when None.
+    """
+
+    def __init__(
+        self,
+        directory: Path,
+        design_hash: str,
+        plan: SamplingPlan,
+        solver: StaticEquilibriumSolver,
+        executor: Executor | None,
+    ) -> None:
+        self._directory = directory / CANDIDATES_FOLDER
+        self._design_hash = design_hash
+        self._plan = plan
+        self._solver = solver
+        self._executor = executor
+
+    def path(self, chunk: Chunk) -> Path:
+        """A chunk's part file."""
+        folder = self._directory / f"domain-{chunk.domain}" / f"round-{chunk.round_number:02d}"
+        return folder / f"part-{chunk.start // self._plan.chunk_rows:05d}.parquet"
+
+    def evaluate(
+        self, chunks: Iterator[Chunk], domain: SamplingDomain
+    ) -> Iterator[tuple[Chunk, dict[str, Any]]]:
+        """Each chunk with its record, in order; what is already stored is not evaluated again.
+
+        Raises:
+            InputDataError: A stored part is damaged or another run's, or a part cannot be written.
+        """
+        pending: deque[tuple[Chunk, dict[str, Any] | Future[tuple[pa.Table, dict[str, Any]]]]] = (
+            deque()
+        )
+        try:
+            for chunk in chunks:
+                pending.append((chunk, self._stored(chunk) or self._start(chunk, domain)))
+                if self._executor is None or len(pending) >= _IN_FLIGHT:
+                    yield self._finish(*pending.popleft())
+            while pending:
+                yield self._finish(*pending.popleft())
+        finally:
+            for _, work in pending:
+                if isinstance(work, Future):
+                    work.cancel()
+
+    def _stored(self, chunk: Chunk) -> dict[str, Any] | None:
+        path = self.path(chunk)
+        if not path.exists():
+            return None
+        record = read_part_record(path)
+        expected = {"design": self._design_hash, **chunk.record()}
+        for name, value in expected.items():
+            if record.get(name) != value:
+                raise damaged(path, f"its {name} is {record.get(name)!r}, {value!r} belongs here")
+        return record
+
+    def _start(
+        self, chunk: Chunk, domain: SamplingDomain
+    ) -> Future[tuple[pa.Table, dict[str, Any]]]:
+        if self._executor is not None:
+            return self._executor.submit(evaluate_chunk, chunk, domain, self._plan, self._solver)
+        done: Future[tuple[pa.Table, dict[str, Any]]] = Future()
+        done.set_result(evaluate_chunk(chunk, domain, self._plan, self._solver))
+        return done
+
+    def _finish(
+        self, chunk: Chunk, work: dict[str, Any] | Future[tuple[pa.Table, dict[str, Any]]]
+    ) -> tuple[Chunk, dict[str, Any]]:
+        if isinstance(work, dict):
+            return chunk, work
+        table, tally = work.result()
+        record = {"design": self._design_hash, **chunk.record(), **tally}
+        write_whole(self.path(chunk), encode_part(table, record))
+        return chunk, record

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Domain 2, global: where the activities are, and half as much again around them.
+
+The six sampled variables {x, Fy, z, Mx, θy, θz} of all reference curves are z-scored; each
+principal score's [min, max] is widened about its middle to 1.5 × its length; the unit cube maps to
+that box, the first cube coordinate (the most even one of a Hammersley set) to the axis of largest
+variance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, Prescribed
+from condyle.sampling.principal_axes import PrincipalBox
+from condyle.sampling.reference_curves import ReferenceCurves
+
+
+@dataclass(frozen=True)
+class GlobalDomain:
+    """See the module docstring.
+
+    Attributes:
+        box: The widened box in the scores of the six variables.
+    """
+
+    box: PrincipalBox
+
+    number = 2
+
+    @classmethod
+    def around(cls, curves: ReferenceCurves, *, widening: float) -> GlobalDomain:
+        """The domain of reference curves."""
+        return cls(
+            PrincipalBox.around(curves.table(PRESCRIBED_COLUMNS), PRESCRIBED_COLUMNS, widening)
+        )
+
+    def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:
+        """The equilibria of points (n, 6) of the unit cube."""
+        return Prescribed.from_array(self.box.values(unit))
+
+    def envelope(self) -> NDArray[np.float64]:
+        """The box's 64 corners, (64, 6), columns PRESCRIBED_COLUMNS."""
+        return self.box.corners()
+
+    def describe(self) -> dict[str, object]:
+        """The box."""
+        return {"kind": "box in the principal scores", **self.box.describe()}

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What sampling asks of a static equilibrium solver, and what it gets back.
+
+Sampling knows no contact model: it hands over prescribed values and takes poses and wrenches. So
+any solver can stand here, the reference contact's (:mod:`condyle.sampling.evaluate`) or a closed
+form in a test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from condyle.errors import CondyleError, InputDataError
+
+#: The six sampled variables, in the paper's order: the pose in the non-sensitive directions, the
+#: loads in the sensitive ones (y → Fy, θx → Mx).
+PRESCRIBED_COLUMNS: Final = ("x", "Fy", "z", "Mx", "theta_y", "theta_z")
+
+#: A solver's answers. All but the first reject the candidate.
+CONVERGED: Final = "converged"
+SOLVER_STATUSES: Final = (CONVERGED, "no_equilibrium", "overclosure", "off_insert", "not_converged")
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """Static equilibria to solve, n of them; each field is (n,).
+
+    x, z [m] and θy, θz [rad] of the pose; Fy [N] and Mx [Nm] of the contact wrench on the femur,
+    summed over the sides.
+    """
+
+    x: NDArray[np.float64]
+    Fy: NDArray[np.float64]
+    z: NDArray[np.float64]
+    Mx: NDArray[np.float64]
+    theta_y: NDArray[np.float64]
+    theta_z: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Every field becomes a contiguous float64 vector of one length."""
+        for field in fields(self):
+            vector = np.ascontiguousarray(getattr(self, field.name), dtype=np.float64)
+            if vector.ndim != 1 or len(vector) != len(np.atleast_1d(self.x)):
+                raise InputDataError(
+                    f"prescribed {field.name} has shape {vector.shape}; "
+                    f"({np.size(self.x)},) is needed, as x has"
+                )
+            object.__setattr__(self, field.name, vector)
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.x)
+
+    @classmethod
+    def from_array(cls, values: NDArray[np.float64]) -> Prescribed:
+        """From (n, 6) in the order of PRESCRIBED_COLUMNS."""
+        return cls(**{name: values[:, i] for i, name in enumerate(PRESCRIBED_COLUMNS)})
+
+    def to_array(self) -> NDArray[np.float64]:
+        """(n, 6) in the order of PRESCRIBED_COLUMNS."""
+        return np.column_stack([getattr(self, name) for name in PRESCRIBED_COLUMNS])
+
+    def select(self, rows: NDArray[np.bool_] | slice) -> Prescribed:
+        """The chosen rows."""
+        return Prescribed(**{name: getattr(self, name)[rows] for name in PRESCRIBED_COLUMNS})
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solver's answer to n prescribed equilibria.
+
+    Attributes:
+        poses: (n, 6) [m, rad].
+        wrenches: (n, 2, 6) on the femur at Fo, expressed in T, sides (medial, lateral) [N, Nm].
+        status: (n,) names out of SOLVER_STATUSES; poses and wrenches mean something where it is
+            ``converged``.
+        evaluations: (n,) contact evaluations spent.
+        max_depth: (n,) greatest penetration [m], where the solver knows it.
+    """
+
+    poses: NDArray[np.float64]
+    wrenches: NDArray[np.float64]
+    status: NDArray[np.str_]
+    evaluations: NDArray[np.int64]
+    max_depth: NDArray[np.float64] | None = None
+
+
+StaticEquilibriumSolver = Callable[[Prescribed], Solved]
+
+
+def check_solved(solved: Solved, count: int) -> None:
+    """Refuse an answer that does not have the promised shapes and status names.
+
+    Raises:
+        CondyleError: The solver does not keep to the protocol; the message names the field.
+    """
+    shapes = {
+        "poses": (count, 6),
+        "wrenches": (count, 2, 6),
+        "status": (count,),
+        "evaluations": (count,),
+    }
+    if solved.max_depth is not None:
+        shapes["max_depth"] = (count,)
+    for name, shape in shapes.items():
+        got = np.shape(getattr(solved, name))
+        if got != shape:
+            raise CondyleError(
+                f"the static equilibrium solver returned {name} of shape {got}; "
+                f"{shape} was expected"
+            )
+    unknown = sorted(set(np.asarray(solved.status).tolist()) - set(SOLVER_STATUSES))
+    if unknown:
+        raise CondyleError(
+            f"the static equilibrium solver returned status {unknown[0]!r}; "
+            f"known are {', '.join(SOLVER_STATUSES)}"
+        )

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How many samples of which domain, and everything else that decides what a dataset holds.
+
+Two runs of one plan around the same curves with the same solver give the same bytes.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from condyle.errors import InputDataError
+
+DOMAINS_AVAILABLE: Final = (2, 4)
+
+
+@dataclass(frozen=True)
+class DomainTarget:
+    """How many samples to keep in one domain.
+
+    Attributes:
+        domain: The paper's number.
+        train: Samples for training.
+        test: Samples for testing.
+    """
+
+    domain: int
+    train: int
+    test: int
+
+    def __post_init__(self) -> None:
+        """Checks."""
+        if self.domain not in DOMAINS_AVAILABLE:
+            known = ", ".join(str(number) for number in DOMAINS_AVAILABLE)
+            raise InputDataError(f"sampling plan: domain is {self.domain!r}; available are {known}")
+        if self.train < 1 or self.test < 0:
+            raise InputDataError(
+                f"sampling plan: domain {self.domain} has train = {self.train} and "
+                f"test = {self.test}; at least 1 and 0 are needed"
+            )
+
+    @property
+    def total(self) -> int:
+        """Train and test together."""
+        return self.train + self.test
+
+
+@dataclass(frozen=True)
+class SamplingPlan:
+    """See the module docstring.
+
+    Attributes:
+        targets: What to keep, one target a domain.
+        seed: Keys the selection and the split, and shifts every round after the first.
+        max_depth: Overclosure beyond which a sample is rejected [m] (the paper's filter).
+        widening: Length of a widened score range over the curves' own.
+        boundary_max_Fy: Domain 4 has Fy in [0, this] [N].
+        boundary_max_Mx: Domain 4 has Mx in ± this [Nm].
+        min_theta_z: Candidates flexed further are infeasible [rad]: no component articulates beyond
+            150° of flexion.
+        max_theta_z: Candidates extended further are infeasible [rad]: 30° of hyperextension.
+        pilot: Candidates of the pilot, which estimates a domain's acceptance and is not kept.
+        oversampling: Candidates drawn over candidates expected to be needed.
+        min_acceptance: A pilot that accepts a smaller share stops the run: the curves do not fit
+            the implant.
+        chunk_rows: Candidates that are evaluated and written together; a kill loses one chunk at
+            most.
+        max_rounds: Rounds of candidates before giving up.
+    """
+
+    targets: tuple[DomainTarget, ...]
+    seed: int
+    max_depth: float = 2e-3
+    widening: float = 1.5
+    boundary_max_Fy: float = 100.0
+    boundary_max_Mx: float = 5.0
+    min_theta_z: float = math.radians(-150.0)
+    max_theta_z: float = math.radians(30.0)
+    pilot: int = 512
+    oversampling: float = 1.1
+    min_acceptance: float = 0.01
+    chunk_rows: int = 2048
+    max_rounds: int = 10
+
+    def __post_init__(self) -> None:
+        """Checks.
+
+        Raises:
+            InputDataError: A value outside its limits; the message names the field, the value and
+                the limit.
+        """
+        object.__setattr__(self, "targets", tuple(self.targets))
+        numbers = [target.domain for target in self.targets]
+        if not numbers or len(set(numbers)) != len(numbers):
+            raise InputDataError(
+                f"sampling plan: targets are for domains {numbers}; each domain once, at least one"
+            )
+        limits = {
+            "seed": (0, 2**63 - 1),
+            "max_depth": (1e-6, 0.1),
+            "widening": (1.0, 10.0),
+            "boundary_max_Fy": (1e-3, 1e5),
+            "boundary_max_Mx": (1e-6, 1e4),
+            "min_theta_z": (-math.pi, 0.0),
+            "max_theta_z": (0.0, math.pi),
+            "pilot": (16, 1_000_000),
+            "oversampling": (1.0, 10.0),
+            "min_acceptance": (1e-6, 1.0),
+            "chunk_rows": (1, 1_000_000),
+            "max_rounds": (1, 1_000),
+        }
+        for name, (low, high) in limits.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise InputDataError(
+                    f"sampling plan: {name} is {value!r}; it must be {low:.6g} to {high:.6g}"
+                )
+
+    @classmethod
+    def preset(cls, name: str, *, seed: int) -> SamplingPlan:
+        """A plan in the paper's proportions: ``quick`` (2 800 samples), ``standard`` (14 000).
+
+        Raises:
+            InputDataError: No such preset.
+        """
+        if name not in _PRESETS:
+            raise InputDataError(
+                f"sampling preset is {name!r}; available are {', '.join(_PRESETS)}"
+            )
+        return cls(targets=_PRESETS[name], seed=seed)
+
+    def with_targets(self, targets: Mapping[int, Mapping[str, int]]) -> SamplingPlan:
+        """This plan with other numbers: ``{2: {"train": 5000, "test": 900}}``.
+
+        What is not named stays. A domain that the plan does not have is added.
+        """
+        named = {target.domain: target for target in self.targets}
+        for domain, numbers in targets.items():
+            unknown = sorted(set(numbers) - {"train", "test"})
+            if unknown:
+                raise InputDataError(
+                    f"sampling plan: domain {domain} has an unknown target {unknown[0]!r}; "
+                    "train and test are known"
+                )
+            old = named.get(domain)
+            train = numbers.get("train", old.train if old else 0)
+            named[domain] = DomainTarget(domain, train, numbers.get("test", old.test if old else 0))
+        return dataclasses.replace(self, targets=tuple(named[domain] for domain in sorted(named)))
+
+    def to_json(self) -> dict[str, object]:
+        """All fields, for a manifest."""
+        return dataclasses.asdict(self) | {
+            "targets": [dataclasses.asdict(target) for target in self.targets]
+        }
+
+
+#: Train : test is the paper's 85 : 15; domain 2 : domain 4 about its 2.6 : 1.
+_PRESETS: Final = {
+    "quick": (DomainTarget(2, 1_700, 300), DomainTarget(4, 680, 120)),
+    "standard": (DomainTarget(2, 8_500, 1_500), DomainTarget(4, 3_400, 600)),
+}

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every stage of a study works with: settings, paths, and the reference contact, made when first needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from condyle.errors import CondyleError
+from condyle.study.reporter import Reporter
+from condyle.study.run_directory import RunDirectory, digest_of_file
+from condyle.study.schema import Study
+
+if TYPE_CHECKING:
+    from condyle.activities import LoadCase
+    from condyle.contact import MeshContact
+
+
+@dataclass(frozen=True)
+class StudyContext:
+    """A study being run.
+
+    Attributes:
+        study: its settings.
+        directory: its run directory.
+        threads: for contact and sampling; 0 means all cores. No result depends on it.
+        reporter: told of progress.
+    """
+
+    study: Study
+    directory: RunDirectory
+    threads: int
+    reporter: Reporter
+
+    @cached_property
+    def reference(self) -> MeshContact:
+        """The reference contact of the run's own implant files."""
+        from condyle.contact import MeshContact
+
+        contact = self.study.contact
+        return MeshContact.from_files(
+            femur=self.directory.implant / "femur.stl",
+            insert_medial=self.directory.implant / "insert_medial.stl",
+            insert_lateral=self.directory.implant / "insert_lateral.stl",
+            units="m",
+            side_of_body=self.study.implant.side_of_body,
+            pressure_modulus=contact.pressure_modulus,
+            evaluation=contact.evaluation,
+            plausible_depth=1e-3 * contact.plausible_depth_mm,
+            cache_directory=self.directory.cache,
+        )
+
+    @cached_property
+    def load_cases(self) -> dict[str, LoadCase]:
+        """The study's activities by name."""
+        from condyle.activities import load_case
+
+        cases = [load_case(activity) for activity in self.study.activities]
+        return {case.name: case for case in cases}
+
+    def outputs_of(self, stage: str) -> dict[str, str]:
+        """Digests of what an earlier stage made.
+
+        Raises:
+            CondyleError: it has not finished.
+        """
+        outputs = self.directory.stage_outputs(stage)
+        if outputs is None:
+            raise CondyleError(f"{self.directory.root}: stage '{stage}' has not finished")
+        return outputs
+
+    def activity_digests(self) -> dict[str, str]:
+        """What the activities are: the content of files, the names of built-in ones."""
+        from condyle.activities import load_case_file
+
+        return {a: digest_of_file(load_case_file(a)) for a in self.study.activities}
+
+    def identity(self) -> dict[str, Any]:
+        """What a sample or a surrogate of this study is of: implant meshes and contact law, by content."""
+        return {
+            "side_of_body": self.study.implant.side_of_body,
+            "implant": {
+                name.removeprefix("implant/"): digest
+                for name, digest in self.outputs_of("implant").items()
+                if name.endswith(".stl")
+            },
+            "contact_law": {
+                "name": "linear volume",
+                "pressure_modulus": self.study.contact.pressure_modulus,
+                "evaluation": self.study.contact.evaluation,
+                "plausible_depth": 1e-3 * self.study.contact.plausible_depth_mm,
+            },
+        }

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs a study's stages in their order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from condyle.study.context import StudyContext
+from condyle.study.reporter import Reporter, SilentReporter
+from condyle.study.run_directory import RunDirectory
+from condyle.study.schema import Study
+from condyle.study.stages import evaluate, implant, reference, report, sample, simulate, train
+
+STAGES: Final = {
+    "implant": implant.run,
+    "reference": reference.run,
+    "sample": sample.run,
+    "train": train.run,
+    "evaluate": evaluate.run,
+    "simulate": simulate.run,
+    "report": report.run,
+}
+
+
+class StudyRun:
+    """A study and its run directory.
+
+    Args:
+        study: the settings.
+        runs: folder that holds run directories; this one is ``runs/<study.name>``.
+        threads: for contact and sampling, 0 for all cores; no result depends on it.
+        reporter: told of progress.
+    """
+
+    def __init__(
+        self, study: Study, runs: Path, threads: int = 0, reporter: Reporter | None = None
+    ) -> None:
+        self.context = StudyContext(
+            study, RunDirectory(Path(runs) / study.name), threads, reporter or SilentReporter()
+        )
+
+    def run(self, until: str = "report") -> None:
+        """Runs the stages up to and including one; those that are current are skipped.
+
+        Raises:
+            ValueError: no such stage.
+            CondyleError: a stage cannot go on; the message says why. What is finished is kept.
+        """
+        if until not in STAGES:
+            raise ValueError(f"stage '{until}': must be one of {', '.join(STAGES)}")
+        for name, stage in STAGES.items():
+            if not stage(self.context):
+                self.context.reporter.skipped(name)
+            if name == until:
+                return

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a study file may say: one TOML file that describes implant, contact law, sampling, training and activities.
+
+Every section has defaults, every key its unit and limits; an unknown key is an error. File paths are relative to the
+study file.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class Section(BaseModel):
+    """A table of the study file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ImplantSection(Section):
+    """The implant: a parametric preset, or meshes in files.
+
+    Attributes:
+        side_of_body: left or right knee; decides which compartment is medial.
+        preset: built-in parametric implant, ``curved`` or ``flat``.
+        size: scale of the preset (1 is a femoral component about 65 mm from front to back).
+        mesh_edge_mm: edge length of the preset's meshes.
+        femur: femoral component's surface (STL, OBJ, PLY, OFF), in the femoral frame.
+        insert: insert's surface, both compartments, split by face centroid at z = 0; or
+        insert_medial, insert_lateral: one surface each.
+        units: unit of the mesh files.
+    """
+
+    side_of_body: Literal["left", "right"] = "right"
+    preset: Literal["curved", "flat"] | None = None
+    size: Annotated[float, Field(ge=0.75, le=1.35)] = 1.0
+    mesh_edge_mm: Annotated[float, Field(ge=0.2, le=3.0)] | None = None
+    femur: Path | None = None
+    insert: Path | None = None
+    insert_medial: Path | None = None
+    insert_lateral: Path | None = None
+    units: Literal["m", "mm"] = "mm"
+
+    @model_validator(mode="after")
+    def _one_way_to_say_it(self) -> Self:
+        files = [
+            n for n in ("femur", "insert", "insert_medial", "insert_lateral") if getattr(self, n)
+        ]
+        if self.preset is not None and files:
+            raise ValueError(f"give either preset or mesh files, not both (preset and {files[0]})")
+        if self.preset is None:
+            if self.femur is None:
+                raise ValueError("give a preset, or femur and insert mesh files")
+            halves = self.insert_medial is not None and self.insert_lateral is not None
+            if (self.insert is not None) == halves or len(files) > 3:
+                raise ValueError("give either insert, or both insert_medial and insert_lateral")
+        return self
+
+
+class ContactSection(Section):
+    """The contact law and how it is evaluated.
+
+    Attributes:
+        pressure_modulus: K in p = K·d [N/m³]; 9.3e9 serves forces and kinematics (Marra et al. 2015), not pressure.
+        evaluation: ``fast`` (smooth distance field) or ``exact`` (the triangles themselves).
+        plausible_depth_mm: overlaps deeper than this are flagged, and rejected by sampling.
+    """
+
+    pressure_modulus: Positive = 9.3e9
+    evaluation: Literal["fast", "exact"] = "fast"
+    plausible_depth_mm: Annotated[float, Field(gt=0, le=10)] = 2.0
+
+
+class SamplingSection(Section):
+    """The sampling plan.
+
+    Attributes:
+        preset: ``quick`` or ``standard`` numbers of samples.
+        targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``.
+        seed: of the design and of the split.
+    """
+
+    preset: Literal["quick", "standard"] = "quick"
+    targets: dict[
+        Literal["2", "4"], dict[Literal["train", "test"], Annotated[int, Field(ge=1)]]
+    ] = {}
+    seed: Seed = 2017
+
+
+class TrainingSection(Section):
+    """The surrogate's networks and their training.
+
+    Attributes:
+        hidden_layers: hidden layers of each network.
+        neurons: in each of them.
+        max_epochs: Levenberg-Marquardt iterations at most, a network.
+        time_budget_s: wall time at most, a network; where it ends a training, the result depends on the machine.
+        seed: of the initial weights.
+        threads: of the linear algebra; part of the record, since it may change the last digits.
+    """
+
+    hidden_layers: Annotated[int, Field(ge=1, le=6)] = 3
+    neurons: Annotated[int, Field(ge=1, le=200)] = 30
+    max_epochs: Annotated[int, Field(ge=1)] = 60
+    time_budget_s: Positive | None = None
+    seed: Seed = 1
+    threads: Annotated[int, Field(ge=1, le=256)] = 2
+
+
+class Study(Section):
+    """A whole study.
+
+    Attributes:
+        name: of the run directory, ``runs/<name>``.
+        activities: built-in load cases by name, or CSV files (columns time_s, flexion_deg, axial_force_N,
+            ap_force_N, ie_torque_Nm).
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+    activities: tuple[str, ...] = ("iso_like_gait", "squat_like")
+    implant: ImplantSection = ImplantSection(preset="curved")
+    contact: ContactSection = ContactSection()
+    sampling: SamplingSection = SamplingSection()
+    training: TrainingSection = TrainingSection()
+
+    @model_validator(mode="after")
+    def _has_activities(self) -> Self:
+        if not self.activities:
+            raise ValueError("activities is empty: name at least one load case")
+        if len(set(self.activities)) != len(self.activities):
+            raise ValueError("activities names a load case twice")
+        return self
+
+    def canonical(self, *sections: str) -> dict[str, Any]:
+        """The values of some sections as plain JSON data, for hashing."""
+        return self.model_dump(mode="json", include=set(sections))

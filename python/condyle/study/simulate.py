@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulates one activity of a study, and refuses to go on from one that did not converge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from condyle.errors import CondyleError
+from condyle.study.context import StudyContext
+
+if TYPE_CHECKING:
+    from condyle.activities import LoadCase
+    from condyle.contact import ContactModel
+    from condyle.fdk import KneeSimulation
+
+
+def simulate(model: ContactModel, load_case: LoadCase, context: StudyContext) -> KneeSimulation:
+    """The knee simulator over a load case, for the study's insert width."""
+    from condyle.fdk import KneeSimulatorSettings, simulate_knee
+
+    settings = KneeSimulatorSettings()
+    settings.insert_width = context.reference.insert_width
+    return simulate_knee(model, load_case, settings)
+
+
+def require_converged(activity: str, simulation: KneeSimulation) -> None:
+    """Raises CondyleError naming the first time frame that did not converge, its residual and worst coordinate."""
+    for i, status in enumerate(simulation.status):
+        if status != "converged":
+            raise CondyleError(
+                f"activity '{activity}': time frame {i} ({simulation.time[i]:.4g} s) is {status}: scaled residual "
+                f"{simulation.residual[i]:.3g} (1 is the tolerance), worst in {simulation.worst_coordinate[i]}"
+            )

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stage ``evaluate``: the surrogate file against held-out samples, and against itself in other runtimes."""
+
+from pathlib import Path
+
+import condyle
+from condyle.evaluation import sample_error_table
+from condyle.study.context import StudyContext
+
+
+def run(context: StudyContext) -> bool:
+    """Evaluates the ONNX file in the C++ runtime at the held-out samples, and checks parity between runtimes."""
+    from condyle.contact import Derivatives
+    from condyle.sampling import Dataset
+    from condyle.surrogate import load_surrogate
+    from condyle.surrogate.parity import runtime_differences
+
+    inputs = {
+        "surrogate": context.outputs_of("train"),
+        "samples": context.outputs_of("sample"),
+        "version": condyle.__version__,
+    }
+
+    def work() -> list[Path]:
+        context.reporter.stage("evaluate", "held-out samples, parity")
+        dataset = Dataset.read(context.directory.samples)
+        test = dataset.split == "test"
+        model = load_surrogate(context.directory.surrogate)
+        loads = model.evaluate(dataset.poses[test], Derivatives.none, context.threads)
+        rows = sample_error_table(dataset.domain[test], dataset.wrenches[test], loads.wrench)
+        parity = runtime_differences(context.directory.surrogate, dataset.poses[test][:200])
+        worst = min(
+            r["loaded_r2"] for r in rows if r["domain"] == "all" and r["loaded_r2"] is not None
+        )
+        context.reporter.finished(
+            "evaluate", f"lowest R² of a load over loaded samples: {worst:.5f}"
+        )
+        return [
+            context.directory.write_table("sample_errors", rows),
+            context.directory.write_table("parity", parity),
+        ]
+
+    return context.directory.run_stage("evaluate", inputs, work)

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stage ``report``: tables.json, tables.md and the figures."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+import condyle
+from condyle.report.tables import render_tables
+from condyle.study.context import StudyContext
+from condyle.study.run_directory import write_whole
+from condyle.study.simulation_files import read_simulation
+
+TABLES = (
+    "samples",
+    "sample_errors",
+    "simulation_loads",
+    "simulation_kinematics",
+    "times",
+    "parity",
+)
+
+
+def run(context: StudyContext) -> bool:
+    """Merges the stages' tables and draws the figures."""
+    inputs = {
+        stage: context.outputs_of(stage)
+        for stage in ("implant", "reference", "sample", "train", "evaluate", "simulate")
+    } | {"version": condyle.__version__}
+
+    def work() -> list[Path]:
+        context.reporter.stage("report", "tables and figures")
+        directory = context.directory
+        tables = {name: directory.read_table(name) for name in TABLES}
+        json_file, markdown_file = directory.root / "tables.json", directory.root / "tables.md"
+        write_whole(json_file, json.dumps(tables, indent=1) + "\n")
+        write_whole(markdown_file, render_tables(context.study.name, tables))
+        figures = _figures(context)
+        context.reporter.finished("report", f"{markdown_file}, {len(figures)} figures")
+        return [json_file, markdown_file, *figures]
+
+    return context.directory.run_stage("report", inputs, work)
+
+
+def _figures(context: StudyContext) -> list[Path]:
+    from condyle.contact import Derivatives
+    from condyle.report.sample_figures import domain_figure, parity_figure
+    from condyle.report.simulation_figures import Trace, kinematics_figure, loads_figure
+    from condyle.report.style import house_style, save
+    from condyle.sampling import Dataset
+    from condyle.surrogate import load_surrogate
+
+    folder = context.directory.figures
+    made = []
+    with house_style():
+        curves = {}
+        for name in context.load_cases:
+            known, predicted = (
+                read_simulation(context.directory.simulations / f"{name}_{model}.csv")
+                for model in ("reference", "surrogate")
+            )
+            curves[name] = (known["poses"], known["wrenches"])
+            traces = [
+                Trace(label, t["time"], t["wrenches"], t["kinematics"])
+                for label, t in (("reference", known), ("surrogate", predicted))
+            ]
+            made.append(save(loads_figure(name, traces), folder / f"{name}_loads.png"))
+            made.append(save(kinematics_figure(name, traces), folder / f"{name}_kinematics.png"))
+            made.append(
+                save(_pressure_figure(context, name, known), folder / f"{name}_pressure.png")
+            )
+        dataset = Dataset.read(context.directory.samples)
+        figure = domain_figure(dataset.poses, dataset.wrenches, dataset.domain, curves)
+        made.append(save(figure, folder / "samples.png"))
+        test = dataset.split == "test"
+        model = load_surrogate(context.directory.surrogate)
+        loads = model.evaluate(dataset.poses[test], Derivatives.none, context.threads)
+        statistics = context.directory.read_table("sample_errors")
+        figure = parity_figure(dataset.wrenches[test], loads.wrench, statistics)
+        made.append(save(figure, folder / "parity.png"))
+    return made
+
+
+def _pressure_figure(context: StudyContext, name: str, trace: dict[str, np.ndarray]) -> object:
+    """The implant at the time frame of the highest total compression."""
+    from condyle.contact import rotation_TF
+    from condyle.report.implant_figures import implant_figure
+
+    frame = int(np.argmax(trace["wrenches"][:, :, 1].sum(axis=1)))
+    pose = trace["poses"][frame]
+    contact = context.reference
+    inserts = [
+        (mesh.vertices, mesh.faces) for mesh in (contact.insert_medial, contact.insert_lateral)
+    ]
+    force = trace["wrenches"][frame, :, 1].sum()
+    flexion = np.degrees(trace["kinematics"][frame, 0])
+    return implant_figure(
+        (contact.femur.vertices, contact.femur.faces),
+        inserts,
+        contact.face_pressures(pose),
+        rotation_TF(pose),
+        pose[:3],
+        f"{name}: {force:.0f} N at {flexion:.0f}° of flexion",
+    )

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surrogate files: reading them, and what they say of themselves."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from condyle.errors import CondyleError, InputDataError
+from condyle.surrogate.library import OnnxContactModel
+
+_PREFIX = "condyle."
+
+
+def load_surrogate(path: str | os.PathLike[str]) -> OnnxContactModel:
+    """Opens a surrogate file as a contact model.
+
+    Its ``evaluate(poses, derivatives, threads)`` takes poses (n, 6) [m, rad] and gives ``wrench``
+    (n, 2, 6), ``stiffness`` (n, 2, 6, 6) if asked for, ``error`` (n, 2, 6) and ``trust`` (n,). The
+    result is the same bytes for any number of threads.
+
+    Args:
+        path: A file of contract version 1, full or wrench-only.
+
+    Raises:
+        InputDataError: The file is missing, damaged or breaks the contract; the message names file
+        and field. CondyleError: There is no usable onnxruntime library.
+    """
+    try:
+        return OnnxContactModel(Path(path))
+    except ValueError as error:
+        raise InputDataError(str(error)) from error
+    except RuntimeError as error:
+        raise CondyleError(str(error)) from error
+
+
+def describe(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What a surrogate file says of itself.
+
+    Args:
+        path: As for :func:`load_surrogate`, which has to accept it.
+
+    Returns:
+        ``file`` and ``outputs``, then the metadata by key without its ``condyle.`` prefix, contract
+        version first; JSON texts are parsed.
+
+    Raises:
+        InputDataError: As :func:`load_surrogate`.
+        CondyleError: As :func:`load_surrogate`.
+    """
+    model = load_surrogate(path)
+    outputs = ["wrench", "stiffness", "error", "trust"] if model.has_stiffness else ["wrench"]
+    metadata = {key.removeprefix(_PREFIX): _parsed(text) for key, text in model.metadata.items()}
+    first = {key: metadata.pop(key) for key in ("contract_version", "side_of_body", "architecture")}
+    return {"file": os.fspath(path), "outputs": outputs, **first, **dict(sorted(metadata.items()))}
+
+
+def _parsed(text: str) -> Any:
+    """JSON objects and arrays as such; any other text, a number included, as it stands."""
+    if not text.startswith(("{", "[")):
+        return text
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+import dataclasses
+import json
+
+import pytest
+
+from condyle.errors import InputDataError
+from condyle.sampling import DomainTarget, SamplingPlan
+
+
+@pytest.mark.parametrize(("name", "total"), [("quick", 2_800), ("standard", 14_000)])
+def test_presets_have_both_domains_and_the_papers_split(name: str, total: int) -> None:
+    plan = SamplingPlan.preset(name, seed=1)
+    assert [target.domain for target in plan.targets] == [2, 4]
+    assert sum(target.total for target in plan.targets) == total
+    for target in plan.targets:
+        assert target.train == pytest.approx(0.85 * target.total)
+
+
+def test_named_targets_change_and_others_stay() -> None:
+    plan = SamplingPlan.preset("quick", seed=1).with_targets({4: {"train": 55}})
+    assert plan.targets == (DomainTarget(2, 1_700, 300), DomainTarget(4, 55, 120))
+    assert SamplingPlan((DomainTarget(4, 9, 1),), seed=3).with_targets(
+        {2: {"train": 7, "test": 2}}
+    ).targets == (DomainTarget(2, 7, 2), DomainTarget(4, 9, 1))
+
+
+def test_json_holds_every_field() -> None:
+    plan = SamplingPlan.preset("quick", seed=8)
+    text = plan.to_json()
+    assert set(text) == {field.name for field in dataclasses.fields(plan)}
+    assert json.loads(json.dumps(text))["targets"][1] == {"domain": 4, "train": 680, "test": 120}
+
+
+def test_mistakes_are_refused_by_field_value_and_limit() -> None:
+    target = DomainTarget(2, 10, 2)
+    with pytest.raises(InputDataError, match="domain is 3; available are 2, 4"):
+        DomainTarget(3, 10, 2)
+    with pytest.raises(InputDataError, match="domain 2 has train = 0 and test = 2"):
+        DomainTarget(2, 0, 2)
+    with pytest.raises(InputDataError, match=r"targets are for domains \[2, 2\]; each domain once"):
+        SamplingPlan((target, target), seed=1)
+    with pytest.raises(InputDataError, match=r"targets are for domains \[\]"):
+        SamplingPlan((), seed=1)
+    with pytest.raises(InputDataError, match=r"widening is 0\.9; it must be 1 to 10"):
+        SamplingPlan((target,), seed=1, widening=0.9)
+    with pytest.raises(InputDataError, match=r"max_depth is nan; it must be 1e-06 to 0\.1"):
+        SamplingPlan((target,), seed=1, max_depth=float("nan"))
+    with pytest.raises(InputDataError, match="seed is -1"):
+        SamplingPlan((target,), seed=-1)
+    with pytest.raises(
+        InputDataError, match="sampling preset is 'huge'; available are quick, standard"
+    ):
+        SamplingPlan.preset("huge", seed=1)
+    with pytest.raises(InputDataError, match="domain 2 has an unknown target 'valid'"):
+        SamplingPlan((target,), seed=1).with_targets({2: {"valid": 3}})

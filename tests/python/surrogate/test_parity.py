@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same file gives the same numbers in C++, in onnxruntime's Python and in onnx.reference."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from condyle.surrogate import parity
+
+
+def test_runtimes_agree_on_an_exported_file(exported: tuple[Path, Path], poses: np.ndarray) -> None:
+    rows = parity.runtime_differences(exported[0], poses)
+    assert [(r["output"], r["runtime"]) for r in rows] == [
+        (output, runtime)
+        for runtime in ("condyle C++", "onnxruntime Python")
+        for output in ("wrench", "stiffness", "error", "trust")
+    ]
+    assert all(r["agrees"] for r in rows), rows
+    assert all(r["poses"] == len(poses) for r in rows)
+
+
+def test_runtimes_agree_on_a_wrench_only_file(
+    exported: tuple[Path, Path], poses: np.ndarray
+) -> None:
+    rows = parity.runtime_differences(exported[1], poses)
+    assert [r["output"] for r in rows] == ["wrench", "wrench"]
+    assert all(r["agrees"] for r in rows), rows
+
+
+@pytest.mark.parametrize("fault", [3e-6, np.nan])
+def test_a_difference_is_noticed(
+    exported: tuple[Path, Path], poses: np.ndarray, fault: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original = parity._core
+
+    def faulty(path: Path, poses: np.ndarray) -> dict[str, np.ndarray]:
+        values = {name: array.copy() for name, array in original(path, poses).items()}
+        values["wrench"][7, 1, 3] += fault  # a moment: small beside the forces, large for a moment
+        return values
+
+    monkeypatch.setattr(parity, "_core", faulty)
+    rows = parity.runtime_differences(exported[0], poses)
+    assert [r["agrees"] for r in rows] == [False] + [True] * 7
+    json.dumps(rows, allow_nan=False)
+
+
+def test_zero_everywhere_must_be_met_exactly() -> None:
+    zero = np.zeros((4, 2, 6))
+    assert parity._excess(zero, zero) == (0.0, 0.0)
+    _, excess = parity._excess(zero + 1e-12, zero)
+    assert excess is not None
+    assert excess > 1
