@@ -23,7 +23,9 @@ void run(int count) {
   box.count = count;
   std::vector<Pose> poses;
   std::printf("%d poses: error of a side's force and moment against exact\n", count);
-  std::printf("spacing mm | F median %%  p99 %% | M median %%  p99 %% | p99 of error/tolerance F, M | worst\n");
+  std::printf(
+      "spacing mm | F median %%  p99 %% | M median %%  p99 %% | p99 of error/tolerance F, M | "
+      "worst\n");
   for (const double spacing : {0.35e-3, 0.5e-3, 0.7e-3, 1.0e-3}) {
     FastSettings settings;
     settings.field.spacing = spacing;
@@ -34,8 +36,8 @@ void run(int count) {
                 100 * r.force_median, 100 * r.force_p99, 100 * r.moment_median, 100 * r.moment_p99,
                 r.force_tolerance_p99, r.moment_tolerance_p99, r.worst);
     const Pose& w = r.worst_pose;
-    std::printf("           worst pose %.6f %.6f %.6f %.5f %.5f %.5f\n", w[0], w[1], w[2], w[3], w[4],
-                w[5]);
+    std::printf("           worst pose %.6f %.6f %.6f %.5f %.5f %.5f\n", w[0], w[1], w[2], w[3],
+                w[4], w[5]);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long one pose of the reference contact takes, by each evaluation, on one thread: see README.md.
+// How long one pose of the reference contact takes, by each evaluation, on one thread: see
+// README.md.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -15,8 +16,8 @@ namespace {
 using namespace condyle;
 using namespace condyle::contact;
 
-// One closest-point search per insert face, no culling: what a straightforward program does. The total Fy comes along, so
-// that nothing is optimised away and the rows can be compared.
+// One closest-point search per insert face, no culling: what a straightforward program does. The
+// total Fy comes along, so that nothing is optimised away and the rows can be compared.
 double naive_force(const geometry::SignedDistance& distance, const Compartments& compartments,
                    const Pose& pose, int& loaded) {
   const RigidTransform X_TF = transform_TF(pose), X_FT = X_TF.inverse();
@@ -48,36 +49,38 @@ void run() {
   const benchmark::DmPair dm = benchmark::read_dm_pair();
   const geometry::SignedDistance distance(dm.femur);
   const auto exact = make_exact_evaluation(dm.femur, dm.compartments, ContactLaw{});
-  const double build = benchmark::quickest(1, 1, [&] {
-    geometry::load_or_build_distance_field(dm.femur, {}, {});
-  });
+  const double build =
+      benchmark::quickest(1, 1, [&] { geometry::load_or_build_distance_field(dm.femur, {}, {}); });
   const auto cache = std::filesystem::temp_directory_path() / "condyle-benchmark-cache";
   const auto field = geometry::load_or_build_distance_field(dm.femur, {}, cache).field;
-  const double load = benchmark::quickest(3, 1, [&] {
-    geometry::load_or_build_distance_field(dm.femur, {}, cache);
-  });
-  const double mebibytes = static_cast<double>(field->spline().count()) * (sizeof(float) + 2) / 1048576;
-  std::printf("distance field: spacing %.2f mm, %zu nodes, %.0f MiB, built in %.1f s, read in %.2f s\n",
-              1e3 * field->spline().spacing, field->spline().count(), mebibytes, build, load);
+  const double load = benchmark::quickest(
+      3, 1, [&] { geometry::load_or_build_distance_field(dm.femur, {}, cache); });
+  std::filesystem::remove_all(cache);
+  const double mebibytes =
+      static_cast<double>(field->spline().count()) * (sizeof(float) + 2) / 1048576;
+  std::printf(
+      "distance field: spacing %.2f mm, %zu nodes, %.0f MiB, built in %.1f s, read in %.2f s\n",
+      1e3 * field->spline().spacing, field->spline().count(), mebibytes, build, load);
   for (const double depth : {0.5e-3, 0.7e-3, 0.9e-3, 1.2e-3}) {
     Pose pose = dm.settled;
     pose[kY] -= depth;
     int loaded = 0;
     double force = 0.0;
-    const double naive =
-        benchmark::quickest(5, 1, [&] { force = naive_force(distance, dm.compartments, pose, loaded); });
+    const double naive = benchmark::quickest(
+        5, 1, [&] { force = naive_force(distance, dm.compartments, pose, loaded); });
     std::printf("depth %.1f mm, %d loaded faces of %d\n", 1e3 * depth, loaded,
                 static_cast<int>(dm.compartments[0].count() + dm.compartments[1].count()));
     row("naive", naive, naive, naive, force);
     const double reference = benchmark::quickest(
         5, 1, [&] { force = total_force(*exact, pose, Derivatives::kStiffness); });
     row("exact, wrench + stiffness", reference, naive, reference, force);
-    for (const auto set : {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+    for (const auto set :
+         {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
       if (set > best_instruction_set()) continue;
       const auto fast = make_fast_evaluation(field, dm.compartments, ContactLaw{}, set);
       for (const auto derivatives : {Derivatives::kNone, Derivatives::kStiffness}) {
-        const double took = benchmark::quickest(
-            100, 10, [&] { force = total_force(*fast, pose, derivatives); });
+        const double took =
+            benchmark::quickest(100, 10, [&] { force = total_force(*fast, pose, derivatives); });
         char what[64];
         std::snprintf(what, sizeof what, "fast (%s), wrench%s", name(set),
                       derivatives == Derivatives::kStiffness ? " + stiffness" : "");

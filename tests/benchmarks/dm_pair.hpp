@@ -19,13 +19,15 @@ struct DmPair {
   Pose settled = (Pose() << 6.404e-3, 41.107e-3, -0.218e-3, 0, 0, 0).finished();
 };
 
-/// From CONDYLE_DATA, or shared/data beside the project. @throws std::runtime_error where there is none.
+/// From CONDYLE_DATA, or shared/data beside the project. @throws std::runtime_error where there is
+/// none.
 inline DmPair read_dm_pair() {
   const char* named = std::getenv("CONDYLE_DATA");
   const std::filesystem::path data = named != nullptr ? named : CONDYLE_SHARED_DATA;
   const auto folder = data / "implants" / "dm";
   if (!std::filesystem::exists(folder)) {
-    throw std::runtime_error("no implants: set CONDYLE_DATA, or put shared/data beside the project");
+    throw std::runtime_error(
+        "no implants: set CONDYLE_DATA, or put shared/data beside the project");
   }
   const auto read = [&](const char* file) {
     return geometry::read_mesh(folder / file, geometry::LengthUnit::kMetre);
@@ -35,7 +37,8 @@ inline DmPair read_dm_pair() {
            contact::compartment_faces(read("insert_contact_lateral.stl"))}};
 }
 
-/// Seconds that body() takes: the quickest of `repeats`, each of `calls` calls, because what disturbs only adds.
+/// Seconds that body() takes: the quickest of `repeats`, each of `calls` calls, because what
+/// disturbs only adds.
 template <typename Body>
 double quickest(int repeats, int calls, Body body) {
   double best = 1e300;

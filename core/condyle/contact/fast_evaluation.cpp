@@ -2,7 +2,6 @@
 #include "condyle/contact/fast_evaluation.hpp"
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -12,22 +11,6 @@
 
 namespace condyle::contact {
 namespace {
-
-fast::FieldView view(const geometry::DistanceField& field) {
-  const geometry::CubicSplineGrid& spline = field.spline();
-  fast::FieldView v{};
-  v.coefficients = spline.coefficients.data();
-  v.border_nodes = field.border_nodes().data();
-  v.border_cells = field.border_cells().data();
-  v.row = spline.nodes[0];
-  v.plane = static_cast<std::int64_t>(spline.nodes[0]) * spline.nodes[1];
-  v.inverse_spacing = 1.0 / spline.spacing;
-  for (int a = 0; a < 3; ++a) {
-    v.offset[a] = -spline.origin[a] * v.inverse_spacing;
-    v.last[a] = std::nextafter(spline.nodes[static_cast<std::size_t>(a)] - 2.0, 0.0);
-  }
-  return v;
-}
 
 // Any law, a batch at a time.
 void evaluate_law(const void* law, const double* depth, int n, double* energy, double* pressure,
@@ -75,9 +58,10 @@ class FastEvaluation final : public FaceEvaluation {
   FastEvaluation(std::shared_ptr<const geometry::DistanceField> field,
                  const Compartments& compartments, const ContactLaw& law, fast::Kernel kernel)
       : field_(std::move(field)),
-        field_view_(view(*field_)),
+        field_view_(fast::field_view(*field_)),
         law_(law),
-        sorted_{fast::SortedFaces(compartments[kMedial]), fast::SortedFaces(compartments[kLateral])},
+        sorted_{fast::SortedFaces(compartments[kMedial]),
+                fast::SortedFaces(compartments[kLateral])},
         centroids_{compartments[kMedial].centroids, compartments[kLateral].centroids},
         kernel_(kernel) {
     const auto* linear = std::get_if<LinearVolumeLaw>(&law_.variant());
@@ -112,8 +96,8 @@ class FastEvaluation final : public FaceEvaluation {
     loads.max_depth = sums.max_depth;
     loads.peak_pressure = sums.peak_pressure;
     loads.pressure_sum = sums.pressure_sum;
-    loads.pressure_moment = X_TF.R * Eigen::Map<const Vector3>(sums.pressure_moment) +
-                            sums.pressure_sum * X_TF.p;
+    loads.pressure_moment =
+        X_TF.R * Eigen::Map<const Vector3>(sums.pressure_moment) + sums.pressure_sum * X_TF.p;
     loads.back_face = sums.max_facing > kBackFaceCosine;
     return loads;
   }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fast evaluation of the mesh contact: the contact integral over a smooth (C2) distance field of the femur.
+// The fast evaluation of the mesh contact: the contact integral over a smooth (C2) distance field
+// of the femur.
 //
-// The energy U = Σ A W(max(0, −s(q))), s the spline field at a centroid seen from the femur, is C1 in the pose; the wrench
-// is its exact derivative, continuous and piecewise smooth; the stiffness is the wrench's exact derivative, one-sided
-// where a face enters contact. So the contact is conservative to rounding, whatever the field's own error against the
-// mesh. A pose is evaluated on one thread, in a fixed order, without allocating.
+// The energy U = Σ A W(max(0, −s(q))), s the spline field at a centroid seen from the femur, is C1
+// in the pose; the wrench is its exact derivative, continuous and piecewise smooth; the stiffness
+// is the wrench's exact derivative, one-sided where a face enters contact. So the contact is
+// conservative to rounding, whatever the field's own error against the mesh. A pose is evaluated on
+// one thread, in a fixed order, without allocating.
 //
-// Faces closest to the femur's open border are told from the field's flags, to half a spacing (geometry/distance_field.hpp).
+// Faces closest to the femur's open border are told from the field's flags, to half a spacing
+// (geometry/distance_field.hpp).
 #pragma once
 
 #include <filesystem>
@@ -31,8 +34,8 @@ struct FastSettings {
   int threads = 0;  ///< of the build; 0: all
 };
 
-/// The fast evaluation of a femoral surface: its field from the cache or built (a few seconds), then evaluated by the
-/// widest kernel that the machine has.
+/// The fast evaluation of a femoral surface: its field from the cache or built (a few seconds),
+/// then evaluated by the widest kernel that the machine has.
 /// @pre femur and compartments are well formed.
 /// @throws std::invalid_argument if a setting is out of range.
 std::unique_ptr<FaceEvaluation> make_fast_evaluation(const geometry::TriangleMesh& femur,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 
 namespace condyle::contact::fast {
@@ -15,8 +14,9 @@ static_assert(kLeafFaces % kGroup == 0);
 
 using Order = std::span<std::int32_t>;
 
-// Sorts `order` so that every aligned run of a parent's and of a leaf's faces is compact: halves along the longest side,
-// again and again, at a multiple of the run's length, so that only the last run is partly filled.
+// Sorts `order` so that every aligned run of a parent's and of a leaf's faces is compact: halves
+// along the longest side, again and again, at a multiple of the run's length, so that only the last
+// run is partly filled.
 void sort_compact(const geometry::VertexArray& points, Order order) {
   if (order.size() <= kLeaf) return;
   Vector3 low = points.row(order[0]), high = low;
@@ -92,6 +92,22 @@ FacesView SortedFaces::faces() const {
 ClustersView SortedFaces::clusters() const {
   return {parents_.data(), leaves_.data(), static_cast<std::int32_t>(parents_.size()),
           static_cast<std::int32_t>(leaves_.size()), static_cast<std::int32_t>(area_.size())};
+}
+
+FieldView field_view(const geometry::DistanceField& field) {
+  const geometry::CubicSplineGrid& spline = field.spline();
+  FieldView v{};
+  v.coefficients = spline.coefficients.data();
+  v.border_nodes = field.border_nodes().data();
+  v.border_cells = field.border_cells().data();
+  v.row = spline.nodes[0];
+  v.plane = static_cast<std::int64_t>(spline.nodes[0]) * spline.nodes[1];
+  v.inverse_spacing = 1.0 / spline.spacing;
+  for (int a = 0; a < 3; ++a) {
+    v.offset[a] = -spline.origin[a] * v.inverse_spacing;
+    v.last[a] = std::nextafter(spline.nodes[static_cast<std::size_t>(a)] - 2.0, 0.0);
+  }
+  return v;
 }
 
 }  // namespace condyle::contact::fast

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A compartment's faces arranged for the fast kernel: sorted so that neighbours are neighbours in memory, in two levels
-// of balls that can be culled at once, structure of arrays.
+// A compartment's faces arranged for the fast kernel: sorted so that neighbours are neighbours in
+// memory, in two levels of balls that can be culled at once, structure of arrays.
 #pragma once
 
 #include <vector>
 
 #include "condyle/contact/face_evaluation.hpp"
 #include "condyle/contact/fast_kernel.hpp"
+#include "condyle/geometry/distance_field.hpp"
 
 namespace condyle::contact::fast {
 
@@ -23,5 +24,8 @@ class SortedFaces {
   std::vector<double> x_, y_, z_, nx_, ny_, nz_, area_;
   std::vector<Cluster> parents_, leaves_;
 };
+
+/// A field as the kernel sees it. @pre it outlives the view.
+FieldView field_view(const geometry::DistanceField& field);
 
 }  // namespace condyle::contact::fast

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spline field at four points at a time, for the fast contact's kernels. Included by kernel compilations only;
-// everything is static (see fast_kernel_body.hpp).
+// The spline field at four points at a time, for the fast contact's kernels. Included by kernel
+// compilations only; everything is static (see fast_kernel_body.hpp).
 //
-// The four x-neighbours of a stencil are contiguous, so a point's 64 coefficients are 16 vector loads, contracted over y
-// and z in lanes along x; a 4×4 transpose then puts four points into the lanes for the contraction over x.
+// The four x-neighbours of a stencil are contiguous, so a point's 64 coefficients are 16 vector
+// loads, contracted over y and z in lanes along x; a 4×4 transpose then puts four points into the
+// lanes for the contraction over x.
 #pragma once
 
 #include "condyle/contact/fast_kernel.hpp"
@@ -12,15 +13,17 @@
 namespace condyle::contact::fast {
 namespace {
 
-/// Points are treated in batches, one stage of the work after the other, so that the many independent short chains of a
-/// stage overlap in the processor; a point at a time would wait for its own latencies.
+/// Points are treated in batches, one stage of the work after the other, so that the many
+/// independent short chains of a stage overlap in the processor; a point at a time would wait for
+/// its own latencies.
 constexpr int kBatch = 32;
 
 struct Points {
-  alignas(32) double q[3][kBatch];   ///< in F [m]
-  alignas(32) double t[3][kBatch];   ///< fractions in their cells
-  std::int32_t base[kBatch];         ///< where their stencils begin
-  int inside[kBatch / kGroup];       ///< bit l: the stencil fits in the grid; elsewhere the nearest cell stands in
+  alignas(32) double q[3][kBatch];  ///< in F [m]
+  alignas(32) double t[3][kBatch];  ///< fractions in their cells
+  std::int32_t base[kBatch];        ///< where their stencils begin
+  int inside[kBatch / kGroup];  ///< bit l: the stencil fits in the grid; elsewhere the nearest cell
+                                ///< stands in
 };
 
 /// Fills t, base and inside from q. @param count multiple of kGroup.
@@ -122,10 +125,11 @@ struct FieldBatch {
   alignas(32) double hessian[6][kBatch];  ///< xx, yy, zz, xy, xz, yz; only with kHessian
 };
 
-/// Where the contraction over y and z leaves a batch: lanes along x; the digits say how often differentiated along y and z.
+/// Where the contraction over y and z leaves a batch: lanes along x; the digits say how often
+/// differentiated along y and z.
 struct Contracted {
-  alignas(32) double c00[kBatch][4], c10[kBatch][4], c01[kBatch][4], c20[kBatch][4],
-      c02[kBatch][4], c11[kBatch][4];
+  alignas(32) double c00[kBatch][4], c10[kBatch][4], c01[kBatch][4], c20[kBatch][4], c02[kBatch][4],
+      c11[kBatch][4];
 };
 
 template <bool kHessian>
@@ -146,7 +150,8 @@ CONDYLE_INLINE void contract_yz(const FieldView& field, const Points& at, int co
   }
   for (int n = 0; n < count; ++n) {
     const float* c = field.coefficients + at.base[n];
-    // Over y first, four planes at a time: twelve sums, three weights and a row are the sixteen registers of AVX2.
+    // Over y first, four planes at a time: twelve sums, three weights and a row are the sixteen
+    // registers of AVX2.
     v4 a0[4], a1[4], a2[4];
 #pragma GCC unroll 4
     for (int j = 0; j < 4; ++j) {
@@ -221,7 +226,8 @@ CONDYLE_INLINE void derivatives(const FieldView& field, const Points& at, int co
 /// Of the group of points from n on: bit l: point n + l is closest to the open border, as
 /// geometry::DistanceField::on_border says. @param lanes the points to ask about.
 static int border_lanes(const FieldView& field, const Points& at, int n, int lanes) {
-  const std::int64_t centre = 1 + field.row + field.plane;  // from a stencil's first node to its cell
+  const std::int64_t centre =
+      1 + field.row + field.plane;  // from a stencil's first node to its cell
   int flagged = 0;
   for (int l = 0; l < kGroup; ++l) {
     flagged |= field.border_cells[at.base[n + l] + centre] == 0 ? 0 : 1 << l;

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hot loop of the fast contact: plain arrays in, sums out, so that each instruction set can have its own compilation.
+// The hot loop of the fast contact: plain arrays in, sums out, so that each instruction set can
+// have its own compilation.
 //
 // In the femoral frame the arm of a centroid about Fo is its own position q, so with f = −A p g and
-// S = A (p H − p′ g gᵀ) (g = ∇φ, H = ∇²φ; p, p′ pressure and its rate at d = −φ) the twist derivative of the wrench is
+// S = A (p H − p′ g gᵀ) (g = ∇φ, H = ∇²φ; p, p′ pressure and its rate at d = −φ) the twist
+// derivative of the wrench is
 //
-//   ∂F/∂v = ΣS,   ∂F/∂ω = −ΣS[q] − [Σf],   ∂M/∂v = −(ΣS[q])ᵀ + [Σf],   ∂M/∂ω = Σ[q]ᵀS[q] − Σ(f qᵀ − (q·f) I),
+//   ∂F/∂v = ΣS,   ∂F/∂ω = −ΣS[q] − [Σf],   ∂M/∂v = −(ΣS[q])ᵀ + [Σf],   ∂M/∂ω = Σ[q]ᵀS[q] − Σ(f qᵀ −
+// (q·f) I),
 //
-// and the kernel needs to sum only S, S[q], [q]ᵀS[q] (symmetric), f and f qᵀ. M = Σ q×f is in the last one.
+// and the kernel needs to sum only S, S[q], [q]ᵀS[q] (symmetric), f and f qᵀ. M = Σ q×f is in the
+// last one.
 //
-// No Eigen and no standard containers here or in the kernels: an inline function compiled for AVX-512 must not become
-// the copy that the linker keeps for everybody.
+// No Eigen and no standard containers here or in the kernels: an inline function compiled for
+// AVX-512 must not become the copy that the linker keeps for everybody.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +21,9 @@
 
 namespace condyle::contact::fast {
 
-/// Faces are treated in groups of four lanes; a leaf is the smallest run that is culled as a whole, a parent a run of leaves.
-/// Sizes chosen by measurement (tests/benchmarks): smaller leaves cull tighter but test more balls.
+/// Faces are treated in groups of four lanes; a leaf is the smallest run that is culled as a whole,
+/// a parent a run of leaves. Sizes chosen by measurement (tests/benchmarks): smaller leaves cull
+/// tighter but test more balls.
 inline constexpr int kGroup = 4;
 inline constexpr int kLeafFaces = 16;
 inline constexpr int kParentLeaves = 8;
@@ -28,32 +33,34 @@ struct FieldView {
   const float* coefficients;
   const std::uint8_t* border_nodes;
   const std::uint8_t* border_cells;
-  std::int64_t row, plane;      ///< strides along y and z; x is contiguous
-  double inverse_spacing;       ///< [1/m]
-  double offset[3];             ///< u = q·inverse_spacing + offset, in nodes
-  double last[3];               ///< a point is in the grid where 1 <= u <= last
+  std::int64_t row, plane;  ///< strides along y and z; x is contiguous
+  double inverse_spacing;   ///< [1/m]
+  double offset[3];         ///< u = q·inverse_spacing + offset, in nodes
+  double last[3];           ///< a point is in the grid where 1 <= u <= last
 };
 
 /// Sorted faces, structure of arrays; padding faces have no area.
 struct FacesView {
-  const double *x, *y, *z;      ///< centroids in T [m]
-  const double *nx, *ny, *nz;   ///< unit normals in T
-  const double* area;           ///< [m²]
+  const double *x, *y, *z;     ///< centroids in T [m]
+  const double *nx, *ny, *nz;  ///< unit normals in T
+  const double* area;          ///< [m²]
 };
 
 /// A run of faces within a ball.
 struct Cluster {
-  double centre[3];             ///< in T [m]
-  double radius;                ///< [m]
+  double centre[3];  ///< in T [m]
+  double radius;     ///< [m]
 };
 
-/// Two levels of clusters: leaf i holds the faces from i·kLeafFaces on, parent i the leaves from i·kParentLeaves on.
+/// Two levels of clusters: leaf i holds the faces from i·kLeafFaces on, parent i the leaves from
+/// i·kParentLeaves on.
 struct ClustersView {
   const Cluster *parents, *leaves;
   std::int32_t parent_count, leaf_count, face_count;  ///< face_count a multiple of kGroup
 };
 
-/// Pressure law in a kernel: linear (p = K d) if `batch` is null, else whatever `batch` computes for n depths.
+/// Pressure law in a kernel: linear (p = K d) if `batch` is null, else whatever `batch` computes
+/// for n depths.
 struct LawView {
   double modulus;
   const void* law;
@@ -72,12 +79,12 @@ struct Sums {
   double energy, volume, area, border_area, pressure_sum;
   double pressure_moment[3];  ///< Σ A p q
   double max_depth, peak_pressure;
-  double max_facing;          ///< largest n·g of a loaded face, or 0 or −1 where that is larger
-  double force[3];            ///< Σ f
-  double dyad[9];             ///< Σ f qᵀ, row by row
-  double S[6];                ///< xx, yy, zz, xy, xz, yz
-  double Sq[9];               ///< ΣS[q], row by row
-  double qSq[6];              ///< Σ[q]ᵀS[q], as S
+  double max_facing;  ///< largest n·g of a loaded face, or 0 or −1 where that is larger
+  double force[3];    ///< Σ f
+  double dyad[9];     ///< Σ f qᵀ, row by row
+  double S[6];        ///< xx, yy, zz, xy, xz, yz
+  double Sq[9];       ///< ΣS[q], row by row
+  double qSq[6];      ///< Σ[q]ᵀS[q], as S
 };
 
 /// One side at one pose. `sums` is overwritten. S, Sq and qSq are zero unless `stiffness`.

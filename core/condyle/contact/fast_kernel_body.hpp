@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fast contact's kernel, written once and compiled once for each instruction set: fast_kernel_<set>.cpp defines
-// CONDYLE_FAST_KERNEL, the function's name, and includes this file. Everything is static: nothing of it may be shared
-// between those compilations.
+// The fast contact's kernel, written once and compiled once for each instruction set:
+// fast_kernel_<set>.cpp defines CONDYLE_FAST_KERNEL, the function's name, and includes this file.
+// Everything is static: nothing of it may be shared between those compilations.
 //
-// Per pose: balls of faces are culled by the field at their centres, parents before leaves. A leaf whose centre is inside
-// is expected to be loaded; of the others φ alone is evaluated first, to drop the groups of four faces that are not. What
-// remains gets φ, ∇φ, ∇²φ, the law, and the sums. All of it in batches, in an order that depends on the pose only.
+// Per pose: balls of faces are culled by the field at their centres, parents before leaves. A leaf
+// whose centre is inside is expected to be loaded; of the others φ alone is evaluated first, to
+// drop the groups of four faces that are not. What remains gets φ, ∇φ, ∇²φ, the law, and the sums.
+// All of it in batches, in an order that depends on the pose only.
 #include "condyle/contact/fast_field.hpp"
 #include "condyle/contact/fast_kernel.hpp"
 #include "condyle/contact/fast_vector.hpp"
@@ -13,7 +14,8 @@
 namespace condyle::contact::fast {
 namespace {
 
-// |∇s| of the spline exceeds 1 a little where it rounds a crease; a ball is culled only beyond doubt.
+// |∇s| of the spline exceeds 1 a little where it rounds a crease; a ball is culled only beyond
+// doubt.
 constexpr double kLipschitz = 1.1;
 constexpr double kSlack = 1e-5;  // [m]
 
@@ -46,8 +48,9 @@ CONDYLE_INLINE void place(const Placement4& X_FT, const v4 c[3], int n, Points& 
 
 CONDYLE_INLINE int padded(int count) { return (count + kGroup - 1) / kGroup * kGroup; }
 
-// Places, locates and evaluates φ at the centres of balls `first` + index[i] (index null: i itself).
-// Ball i may touch the body where may[i] < 0; its centre is inside where work.field.value[i] < 0.
+// Places, locates and evaluates φ at the centres of balls `first` + index[i] (index null: i
+// itself). Ball i may touch the body where may[i] < 0; its centre is inside where
+// work.field.value[i] < 0.
 static void test_balls(const FieldView& field, const Placement4& X_FT, const Cluster* balls,
                        const std::int32_t* index, int count, Work& work, double* may) {
   Points& points = work.points;
@@ -126,10 +129,12 @@ CONDYLE_INLINE void add_stiffness(const FieldBatch& f, int n, const v4 q[3], con
   s.qSq[5] = s.qSq[5] + fms(P[2][2], q[0], P[0][2] * q[2]);
 }
 
-// Adds the faces from `f` on, the points from n on. Lanes that are not loaded have area and depth 0.
+// Adds the faces from `f` on, the points from n on. Lanes that are not loaded have area and depth
+// 0.
 template <bool kStiffness>
-CONDYLE_INLINE void add_faces(const Work& work, int n, v4 depth, v4 area, const double* const n_T[3],
-                              const LawView& law, const Placement4& X_FT, Accumulators& s) {
+CONDYLE_INLINE void add_faces(const Work& work, int n, v4 depth, v4 area,
+                              const double* const n_T[3], const LawView& law,
+                              const Placement4& X_FT, Accumulators& s) {
   v4 pressure = splat(law.modulus) * depth, energy = splat(0.5) * pressure * depth;
   v4 rate = splat(law.modulus);
   if (law.batch != nullptr) {
@@ -206,9 +211,9 @@ static void add_groups(const FieldView& field, const FacesView& faces, const Law
 
 // Tests a batch of leaves and adds what is loaded of them.
 template <bool kStiffness>
-static void add_leaves(const FieldView& field, const FacesView& faces,
-                       const ClustersView& clusters, const LawView& law, const Placement4& X_FT,
-                       const std::int32_t* leaves, int count, Work& work, Accumulators& sums) {
+static void add_leaves(const FieldView& field, const FacesView& faces, const ClustersView& clusters,
+                       const LawView& law, const Placement4& X_FT, const std::int32_t* leaves,
+                       int count, Work& work, Accumulators& sums) {
   constexpr int kMost = kBatch / kGroup;
   double may[kBatch];
   test_balls(field, X_FT, clusters.leaves, leaves, count, work, may);

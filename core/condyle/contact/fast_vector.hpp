@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four doubles side by side, for the fast contact's kernels: one AVX register where the compilation has AVX, else two
-// halves. Included by kernel compilations only; everything is static (see fast_kernel_body.hpp).
+// Four doubles side by side, for the fast contact's kernels: one AVX register where the compilation
+// has AVX, else two halves. Included by kernel compilations only; everything is static (see
+// fast_kernel_body.hpp).
 #pragma once
 
 #include <cstdint>

@@ -7,8 +7,8 @@
 namespace condyle::geometry {
 namespace {
 
-// One axis of the prefilter: `lines` adjacent lines of `length` nodes, `stride` apart along the line. Lines run side by
-// side so that the recursions of all of them vectorise.
+// One axis of the prefilter: `lines` adjacent lines of `length` nodes, `stride` apart along the
+// line. Lines run side by side so that the recursions of all of them vectorise.
 void prefilter_lines(double* c, std::size_t lines, int length, std::size_t stride) {
   static const double kPole = std::sqrt(3.0) - 2.0;
   constexpr double kGain = 6.0;  // (1 − z)(1 − 1/z)
@@ -81,7 +81,7 @@ double CubicSplineGrid::value(const Vector3& p) const {
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t j = 0; j < 4; ++j) {
       const float* c = &coefficients[index(cell[0] - 1, cell[1] - 1 + static_cast<int>(j),
-                                            cell[2] - 1 + static_cast<int>(k))];
+                                           cell[2] - 1 + static_cast<int>(k))];
       sum += z.w[k] * y.w[j] * (x.w[0] * c[0] + x.w[1] * c[1] + x.w[2] * c[2] + x.w[3] * c[3]);
     }
   }
@@ -99,7 +99,7 @@ FieldValue CubicSplineGrid::evaluate(const Vector3& p) const {
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t j = 0; j < 4; ++j) {
       const float* c = &coefficients[index(cell[0] - 1, cell[1] - 1 + static_cast<int>(j),
-                                            cell[2] - 1 + static_cast<int>(k))];
+                                           cell[2] - 1 + static_cast<int>(k))];
       double s = 0.0, s1 = 0.0, s2 = 0.0;  // along x: value, first and second derivative
       for (std::size_t i = 0; i < 4; ++i) {
         s += x.w[i] * c[i];

@@ -3,13 +3,15 @@
 //
 //   s(p) = Σ c_ijk β(u−i) β(v−j) β(w−k),   (u, v, w) = (p − origin)/spacing,
 //
-// β the centred cubic B-spline. interpolate() finds the coefficients of the spline that passes through samples at the
-// nodes; its error against a smooth function falls with spacing⁴.
+// β the centred cubic B-spline. interpolate() finds the coefficients of the spline that passes
+// through samples at the nodes; its error against a smooth function falls with spacing⁴.
 //
-// Coefficients are single precision, sums double: half the memory to fetch where fetching is what costs. The spline is then
-// within 6e-8 of the samples' size of the interpolant, and as smooth: rounded coefficients are coefficients.
+// Coefficients are single precision, sums double: half the memory to fetch where fetching is what
+// costs. The spline is then within 6e-8 of the samples' size of the interpolant, and as smooth:
+// rounded coefficients are coefficients.
 //
-// Source: Unser 1999, IEEE Signal Process Mag 16(6):22–38, doi:10.1109/79.799930 (recursive prefilter, mirror ends).
+// Source: Unser 1999, IEEE Signal Process Mag 16(6):22–38, doi:10.1109/79.799930 (recursive
+// prefilter, mirror ends).
 #pragma once
 
 #include <array>
@@ -22,12 +24,13 @@ namespace condyle::geometry {
 
 /// Value, gradient and Hessian of a field at a point.
 struct FieldValue {
-  double value = 0.0;                    ///< [m]
-  Vector3 gradient = Vector3::Zero();    ///< [–]
-  Matrix3 hessian = Matrix3::Zero();     ///< [1/m]
+  double value = 0.0;                  ///< [m]
+  Vector3 gradient = Vector3::Zero();  ///< [–]
+  Matrix3 hessian = Matrix3::Zero();   ///< [1/m]
 };
 
-/// The four weights of the nodes i−1 … i+2 at fraction t in [0, 1) of cell i, and their derivatives in t.
+/// The four weights of the nodes i−1 … i+2 at fraction t in [0, 1) of cell i, and their derivatives
+/// in t.
 struct CubicWeights {
   std::array<double, 4> w, d1, d2;
 };
@@ -52,10 +55,12 @@ struct CubicSplineGrid {
   }
   Vector3 node_position(int i, int j, int k) const { return origin + spacing * Vector3(i, j, k); }
 
-  /// The cell that holds p and the fractions in it; false where the 4×4×4 stencil does not fit in the grid.
+  /// The cell that holds p and the fractions in it; false where the 4×4×4 stencil does not fit in
+  /// the grid.
   bool locate(const Vector3& p, std::array<int, 3>& cell, Vector3& fraction) const;
 
-  /// Sets the coefficients so that the spline passes through `samples`, one a node in the nodes' order.
+  /// Sets the coefficients so that the spline passes through `samples`, one a node in the nodes'
+  /// order.
   /// @pre at least 2 nodes along each axis.
   void interpolate(std::vector<double> samples);
 

@@ -12,7 +12,7 @@
 namespace condyle::geometry {
 namespace {
 
-constexpr int kCoarsening = 4;           // coarse spacing / fine spacing
+constexpr int kCoarsening = 4;          // coarse spacing / fine spacing
 constexpr double kMaximumNodes = 60e6;  // 240 MB of coefficients, twice that while building
 
 struct Sampled {
@@ -39,8 +39,9 @@ CubicSplineGrid fine_grid(const Vector3& lowest, const Vector3& highest,
   }
   CubicSplineGrid grid;
   grid.spacing = settings.spacing;
-  // The mirror condition at the grid's ends bends the spline there, and that dies away by 0.27 a node: ten nodes beyond the
-  // margin, two of which the stencil takes, leave 1e-5 of a spacing's tenth.
+  // The mirror condition at the grid's ends bends the spline there, and that dies away by 0.27 a
+  // node: ten nodes beyond the margin, two of which the stencil takes, leave 1e-5 of a spacing's
+  // tenth.
   const double reach = settings.margin + 10.0 * settings.spacing;
   grid.origin = lowest - Vector3::Constant(reach);
   double nodes = 1.0;
@@ -100,8 +101,8 @@ DistanceField DistanceField::build(const Vector3& lowest, const Vector3& highest
   std::vector<double> samples(fine.count());
   const Sampled coarse = coarse_samples(fine, sampler, threads);
 
-  // Two nodes of a stencil and four for what the coarse filling is wrong by to die away in (0.27 a node), so that the band
-  // itself is as exact as if every node were.
+  // Two nodes of a stencil and four for what the coarse filling is wrong by to die away in (0.27 a
+  // node), so that the band itself is as exact as if every node were.
   const double slack = 6.0 * settings.spacing;
   const auto [nx, ny, nz] = fine.nodes;
   parallel_for(static_cast<std::size_t>(nz), threads, [&, nx = nx, ny = ny](std::size_t k) {
@@ -112,8 +113,7 @@ DistanceField DistanceField::build(const Vector3& lowest, const Vector3& highest
         const double rough = coarse.grid.value(p);
         const bool near =
             rough > -settings.band_inside - slack && rough < settings.band_outside + slack;
-        const DistanceSample s =
-            near ? sampler(p) : DistanceSample{rough, nearest_flag(coarse, p)};
+        const DistanceSample s = near ? sampler(p) : DistanceSample{rough, nearest_flag(coarse, p)};
         samples[n] = s.value;
         border[n] = s.on_border ? 1 : 0;
       }

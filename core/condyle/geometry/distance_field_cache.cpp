@@ -21,7 +21,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "cache files are little-endian");
 
-// Raise when the format, the sampling or the spline changes: files of other versions are then not found.
+// Raise when the format, the sampling or the spline changes: files of other versions are then not
+// found.
 constexpr std::uint32_t kVersion = 1;
 
 // What a file holds, and of what; compared byte by byte. No padding: every byte is defined.
@@ -46,7 +47,8 @@ Header header_of(const std::string& mesh_hash, const DistanceFieldSettings& sett
   return header;
 }
 
-// Detects damage, not malice: FNV-1a over 8-byte words, with the length mixed in by the caller's fixed order of parts.
+// Detects damage, not malice: FNV-1a over 8-byte words, with the length mixed in by the caller's
+// fixed order of parts.
 class Checksum {
  public:
   void update(const void* data, std::size_t size) {

@@ -18,12 +18,14 @@ struct CachedField {
   FieldSource source = FieldSource::kBuilt;
 };
 
-/// The field of `mesh`: from `directory` if a valid one is there, else built (mesh_distance_field.hpp) and stored there.
+/// The field of `mesh`: from `directory` if a valid one is there, else built
+/// (mesh_distance_field.hpp) and stored there.
 ///
-/// A file is named by the content hash of the mesh, the settings and the version of the format and of the sampling, says all of
-/// that again inside, and ends in a checksum of everything before it. One that is short, long, altered, or says anything
-/// else is rebuilt and replaced, never used. It is written under another name and then renamed, so that a reader
-/// never sees half a file and two writers do not mix. A directory that cannot be written to costs the cache, not the result.
+/// A file is named by the content hash of the mesh, the settings and the version of the format and
+/// of the sampling, says all of that again inside, and ends in a checksum of everything before it.
+/// One that is short, long, altered, or says anything else is rebuilt and replaced, never used. It
+/// is written under another name and then renamed, so that a reader never sees half a file and two
+/// writers do not mix. A directory that cannot be written to costs the cache, not the result.
 ///
 /// @param directory created if missing; empty: no cache.
 /// @param threads of the build; 0: all.

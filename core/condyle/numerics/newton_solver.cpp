@@ -15,6 +15,7 @@ constexpr double kSufficientDecrease = 1e-4;
 // Pivots below this share of the largest are noise: entries carry about 1e-10 relative error after a contact sum.
 constexpr double kSingularPivot = 1e-11;
 constexpr int kMaxShifts = 24;
+constexpr std::size_t kPatience = 5;
 
 class Iteration {
  public:
@@ -51,9 +52,11 @@ class Iteration {
         break;
       }
       if (statistics_.iterations >= settings_.max_iterations) break;
-      if (advance()) continue;
       // The analytic Jacobian is one-sided where faces enter contact; differences see both sides of such a corner.
-      if (settings_.jacobian == JacobianMethod::kAnalytic) {
+      const bool analytic = settings_.jacobian == JacobianMethod::kAnalytic;
+      if (analytic && crawling()) difference(alpha_, J_);
+      if (advance()) continue;
+      if (analytic) {
         difference(alpha_, J_);
         if (advance()) continue;
       }
@@ -72,6 +75,12 @@ class Iteration {
  private:
   double largest(const Unknowns& r) const {
     return r.cwiseQuotient(tolerance_).cwiseAbs().maxCoeff();
+  }
+  // True every kPatience steps in which the residual has not halved.
+  bool crawling() const {
+    const auto& past = statistics_.residual;
+    return past.size() > kPatience && past.size() % kPatience == 0 &&
+           past.back() > 0.5 * past[past.size() - 1 - kPatience];
   }
   double merit(const Unknowns& r) const {
     const double value = 0.5 * r.cwiseQuotient(tolerance_).squaredNorm();

@@ -32,4 +32,4 @@ def default_ligaments(side_of_body: SideOfBody, reference_pose: ArrayLike) -> li
         side = _common.side_of_body(side_of_body)
     except ValueError as error:
         raise InputDataError(str(error)) from error
-    return _fdk.default_ligaments(side, pose)
+    return list(_fdk.default_ligaments(side, pose))

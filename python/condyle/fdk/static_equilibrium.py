@@ -86,7 +86,7 @@ def solve_static_equilibria(
             *[np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in prescribed]
         )
     except ValueError as error:
-        shapes = ", ".join(str(np.shape(v)) for v in prescribed)
+        shapes = ", ".join(str(np.asarray(v).shape) for v in prescribed)
         raise InputDataError(
             f"solve_static_equilibria: shapes {shapes} do not fit together"
         ) from error

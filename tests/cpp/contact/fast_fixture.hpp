@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A contact pair in closed form for tests of the fast evaluation: a torus as the femur, two dished patches as the insert.
+// A contact pair in closed form for tests of the fast evaluation: a torus as the femur, two dished
+// patches as the insert.
 //
-//   φ(p) = hypot(hypot(p_x, p_y) − R, p_z) − r  in a frame tilted in F: every term of the Hessian is at work.
+//   φ(p) = hypot(hypot(p_x, p_y) − R, p_z) − r  in a frame tilted in F: every term of the Hessian
+// is at work.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -35,7 +37,10 @@ struct TorusPair {
     const Vector3 half = Vector3::Constant(kMajor + kMinor);
     field = std::make_shared<const geometry::DistanceField>(geometry::DistanceField::build(
         -half, half, settings,
-        [this](const Vector3& p) { return geometry::DistanceSample{distance(p), false}; }, 1));
+        [this](const Vector3& p) {
+          return geometry::DistanceSample{distance(p), false};
+        },
+        1));
     pose << 0.011, 0.042, -0.007, 0.23, -0.31, -0.52;
     const RigidTransform X_TF = transform_TF(pose);
     for (const Side side : {kMedial, kLateral}) {
@@ -44,7 +49,8 @@ struct TorusPair {
   }
 
  private:
-  // Points on a shallow dish about a place on the torus's outer rim, 1 mm deep in the middle, out of contact at its edge.
+  // Points on a shallow dish about a place on the torus's outer rim, 1 mm deep in the middle, out
+  // of contact at its edge.
   contact::CompartmentFaces patch(const RigidTransform& X_TF, double angle, int n,
                                   Draw& draw) const {
     const double u = angle, v = 0.3 * angle;  // around the axis; around the tube

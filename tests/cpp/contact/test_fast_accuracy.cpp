@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/contact/fast_accuracy.hpp"
-
 #include <doctest/doctest.h>
 
 #include <stdexcept>
 
+#include "condyle/contact/fast_accuracy.hpp"
 #include "condyle/contact/fast_evaluation.hpp"
 #include "condyle/geometry/mesh_file.hpp"
 #include "contact/fast_fixture.hpp"
@@ -51,7 +50,8 @@ TEST_CASE("[error] an empty range of plausible poses is refused by name") {
   const auto fast = make_fast_evaluation(pair.field, pair.compartments, ContactLaw{});
   PlausiblePoses none;
   none.count = 0;
-  CHECK_THROWS_WITH_AS(plausible_poses(*fast, none), "plausible poses: count is 0.000000: must be at least 1",
+  CHECK_THROWS_WITH_AS(plausible_poses(*fast, none),
+                       "plausible poses: count is 0.000000: must be at least 1",
                        std::invalid_argument);
   PlausiblePoses negative;
   negative.lowest_force = -1.0;
@@ -80,7 +80,8 @@ TEST_CASE("[property] fast is within its tolerance of exact on a real implant") 
   CAPTURE(report.force_p99);
   CAPTURE(report.worst_pose.transpose());
   CHECK(report.sides > 80);
-  // What is left is the mesh's facets, which the spline rounds: seen 0.06 % and 0.9 %, 1.3 × the tolerance.
+  // What is left is the mesh's facets, which the spline rounds: seen 0.06 % and 0.9 %, 1.3 × the
+  // tolerance.
   CHECK(report.force_median < 0.0012);
   CHECK(report.moment_median < 0.0015);
   CHECK(report.force_tolerance_p99 < 2.0);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/contact/fast_evaluation.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cstring>
 #include <vector>
 
+#include "condyle/contact/fast_evaluation.hpp"
 #include "condyle/contact/load_sum.hpp"
 #include "contact/fast_fixture.hpp"
 
@@ -75,7 +74,9 @@ Vector6 force(const FaceEvaluation& contact, const Pose& pose) {
                                      contact.evaluate(pose, kLateral, Derivatives::kNone).wrench);
 }
 
-TEST_CASE("[oracle] culling, sorting and vectors change nothing: the plain sum over faces, every instruction set") {
+TEST_CASE(
+    "[oracle] culling, sorting and vectors change nothing: the plain sum over faces, every "
+    "instruction set") {
   const ContactLaw law(LinearVolumeLaw{7.7e9});
   for (const InstructionSet set :
        {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
@@ -88,7 +89,8 @@ TEST_CASE("[oracle] culling, sorting and vectors change nothing: the plain sum o
       for (const Side side : {kMedial, kLateral}) {
         const SideLoads expected = plain(pair(), pose, side, law);
         REQUIRE(expected.area > 1e-5);
-        // Rounding only: about 1 000 terms of one sign, 1e-16 each, arms up to 40 times the stiffness's lever.
+        // Rounding only: about 1 000 terms of one sign, 1e-16 each, arms up to 40 times the
+        // stiffness's lever.
         check_close(fast->evaluate(pose, side, Derivatives::kStiffness), expected, 1e-12);
       }
     }
@@ -118,8 +120,8 @@ TEST_CASE("[derivative] the generalised force is minus the energy's slope") {
       Pose up = pose, down = pose;
       up[j] += step, down[j] -= step;
       const double slope = (energy(*fast, up) - energy(*fast, down)) / (2.0 * step);
-      // A face whose d changes sign within the step errs by at most A K step ≈ 3e-4 N, several may; rounding
-      // 1e-16 × 0.5 J / step. Against forces of 1e3 N, moments of 10 Nm.
+      // A face whose d changes sign within the step errs by at most A K step ≈ 3e-4 N, several may;
+      // rounding 1e-16 × 0.5 J / step. Against forces of 1e3 N, moments of 10 Nm.
       CHECK(std::abs(slope + Q[j]) < (j < 3 ? 5e-3 : 5e-4));
       CHECK(std::abs(Q[j]) > 1e-2);
     }
@@ -143,7 +145,8 @@ TEST_CASE("[derivative] the stiffness is the wrench's slope where no face enters
         if (above.area != at.area || below.area != at.area) continue;
         ++compared;
         const Wrench slope = (above.wrench - below.wrench) / (2.0 * step);
-        // Rounding: 1e-16 × 2e3 N / 2e-8 m = 1e-5 N/m of 1e6; third derivatives of the spline jump at cell walls.
+        // Rounding: 1e-16 × 2e3 N / 2e-8 m = 1e-5 N/m of 1e6; third derivatives of the spline jump
+        // at cell walls.
         CHECK((slope - at.stiffness.col(j)).norm() < 3e-6 * at.stiffness.col(j).norm() + 1e-2);
         CHECK(slope.norm() > 0.0);
       }
@@ -157,14 +160,16 @@ TEST_CASE("[property] the generalised stiffness is symmetric") {
   test::Draw draw(46);
   for (int n = 0; n < 50; ++n) {
     const Pose pose = nearby(draw);
-    const SideLoads at = fast->evaluate(pose, n % 2 == 0 ? kMedial : kLateral, Derivatives::kStiffness);
+    const SideLoads at =
+        fast->evaluate(pose, n % 2 == 0 ? kMedial : kLateral, Derivatives::kStiffness);
     const Matrix6 K = generalised_stiffness(pose, at.wrench, at.stiffness);
     CHECK((K - K.transpose()).norm() < 1e-12 * K.norm());  // rounding; the project's claim is 1e-8
     CHECK(K.norm() > 1e5);
   }
 }
 
-TEST_CASE("[property] a closed loop of poses takes no work, an open path takes the energy's change") {
+TEST_CASE(
+    "[property] a closed loop of poses takes no work, an open path takes the energy's change") {
   const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
   constexpr int kSteps = 4000;
   const auto path = [](double t) {
@@ -181,8 +186,9 @@ TEST_CASE("[property] a closed loop of poses takes no work, an open path takes t
     const Pose p0 = path(t), p1 = path(t + 0.5 * h), p2 = path(t + h);
     // dq/dt by the same rule's differences: exact for the quadratic through the three poses.
     const Pose d0 = -3 * p0 + 4 * p1 - p2, d1 = p2 - p0, d2 = p0 - 4 * p1 + 3 * p2;
-    const double power = (force(*fast, p0).dot(d0) + 4.0 * force(*fast, p1).dot(d1) +
-                          force(*fast, p2).dot(d2)) / 6.0;
+    const double power =
+        (force(*fast, p0).dot(d0) + 4.0 * force(*fast, p1).dot(d1) + force(*fast, p2).dot(d2)) /
+        6.0;
     work += power;
     amount += 0.5 * std::abs(power);
     if (i < kSteps / 2) half += power;
@@ -264,7 +270,10 @@ TEST_CASE("[property] overlap beyond an open border goes to border_area and nowh
   settings.spacing = 0.9e-3;
   const auto field = std::make_shared<const geometry::DistanceField>(geometry::DistanceField::build(
       -half, half, settings,
-      [&](const Vector3& p) { return geometry::DistanceSample{open.distance(p), beyond(p)}; }, 1));
+      [&](const Vector3& p) {
+        return geometry::DistanceSample{open.distance(p), beyond(p)};
+      },
+      1));
   const auto closed = make_fast_evaluation(open.field, open.compartments, ContactLaw{});
   const auto fast = make_fast_evaluation(field, open.compartments, ContactLaw{});
   const SideLoads whole = closed->evaluate(open.pose, kMedial, Derivatives::kNone);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/contact/fast_faces.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
+#include "condyle/contact/fast_faces.hpp"
 #include "support/random_pose.hpp"
 
 namespace condyle::contact::fast {
@@ -27,7 +26,9 @@ CompartmentFaces scattered(int count) {
   return faces;
 }
 
-TEST_CASE("[property] every face with area is there once, padding has no area, and balls hold their faces") {
+TEST_CASE(
+    "[property] every face with area is there once, padding has no area, and balls hold their "
+    "faces") {
   for (const int count : {1, 3, 16, 17, 127, 128, 129, 1000}) {
     CAPTURE(count);
     const CompartmentFaces faces = scattered(count);
@@ -41,13 +42,16 @@ TEST_CASE("[property] every face with area is there once, padding has no area, a
     std::vector<Face> expected, found;
     for (int f = 0; f < count; ++f) {
       if (faces.areas[f] > 0.0) {
-        expected.push_back({faces.areas[f], faces.centroids(f, 0), faces.centroids(f, 2), faces.normals(f, 0)});
+        expected.push_back(
+            {faces.areas[f], faces.centroids(f, 0), faces.centroids(f, 2), faces.normals(f, 0)});
       }
     }
     for (int f = 0; f < c.face_count; ++f) {
       if (v.area[f] > 0.0) found.push_back({v.area[f], v.x[f], v.z[f], v.nx[f]});
-      for (const Cluster& ball : {c.leaves[f / kLeafFaces], c.parents[f / (kLeafFaces * kParentLeaves)]}) {
-        const Vector3 p(v.x[f], v.y[f], v.z[f]), centre(ball.centre[0], ball.centre[1], ball.centre[2]);
+      for (const Cluster& ball :
+           {c.leaves[f / kLeafFaces], c.parents[f / (kLeafFaces * kParentLeaves)]}) {
+        const Vector3 p(v.x[f], v.y[f], v.z[f]),
+            centre(ball.centre[0], ball.centre[1], ball.centre[2]);
         CHECK((p - centre).norm() <= ball.radius);
       }
     }
@@ -62,7 +66,8 @@ TEST_CASE("[property] leaves are compact") {
   const ClustersView c = sorted.clusters();
   double mean = 0.0;
   for (int l = 0; l < c.leaf_count; ++l) mean += c.leaves[l].radius / c.leaf_count;
-  // 1 715 faces on 50 × 30 mm: a leaf of 16 covers 14 mm², a square of half diagonal 2.6 mm; unsorted it would be 25 mm.
+  // 1 715 faces on 50 × 30 mm: a leaf of 16 covers 14 mm², a square of half diagonal 2.6 mm;
+  // unsorted it would be 25 mm.
   CHECK(mean < 3.5e-3);
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/geometry/cubic_spline_grid.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "condyle/geometry/cubic_spline_grid.hpp"
 #include "support/random_pose.hpp"
 
 namespace condyle::geometry {
@@ -33,15 +32,19 @@ CubicSplineGrid grid_of(double spacing, double (*f)(const Vector3&)) {
   return grid;
 }
 
-Vector3 inner_point(test::Draw& draw) {  // far enough from the ends that their mirror condition has died away
+Vector3 inner_point(
+    test::Draw& draw) {  // far enough from the ends that their mirror condition has died away
   return {draw(-0.35, 0.35), draw(-0.35, 0.35), draw(-0.35, 0.35)};
 }
 
-TEST_CASE("[property] weights sum to one and their derivatives to zero; each derivative is the slope of the last") {
+TEST_CASE(
+    "[property] weights sum to one and their derivatives to zero; each derivative is the slope of "
+    "the last") {
   test::Draw draw(11);
   for (int n = 0; n < 50; ++n) {
     const double t = draw(0.01, 0.99), e = 1e-5;
-    const CubicWeights at = cubic_weights(t), up = cubic_weights(t + e), down = cubic_weights(t - e);
+    const CubicWeights at = cubic_weights(t), up = cubic_weights(t + e),
+                       down = cubic_weights(t - e);
     double w = 0.0, d1 = 0.0, d2 = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {
       w += at.w[i], d1 += at.d1[i], d2 += at.d2[i];
@@ -66,7 +69,8 @@ TEST_CASE("[property] the spline passes through its samples") {
   }
 }
 
-TEST_CASE("[oracle] the error against a smooth function falls with the fourth power of the spacing") {
+TEST_CASE(
+    "[oracle] the error against a smooth function falls with the fourth power of the spacing") {
   double last = 0.0;
   for (const double h : {0.2, 0.1, 0.05}) {
     const CubicSplineGrid grid = grid_of(h, smooth);
@@ -76,14 +80,17 @@ TEST_CASE("[oracle] the error against a smooth function falls with the fourth po
       const Vector3 p = inner_point(draw);
       worst = std::max(worst, std::abs(grid.value(p) - smooth(p)));
     }
-    // Halving divides by 16 in the limit; 12 leaves room for h⁶ terms and float coefficients (2e-7 under 1.6e-6).
+    // Halving divides by 16 in the limit; 12 leaves room for h⁶ terms and float coefficients (2e-7
+    // under 1.6e-6).
     if (last > 0.0) CHECK(last / worst > (h == 0.05 ? 8.0 : 12.0));
     last = worst;
   }
   CHECK(last < 2e-6);
 }
 
-TEST_CASE("[derivative] gradient and Hessian are those of the spline, inside cells and across their walls") {
+TEST_CASE(
+    "[derivative] gradient and Hessian are those of the spline, inside cells and across their "
+    "walls") {
   const CubicSplineGrid grid = grid_of(0.2, smooth);
   test::Draw draw(13);
   const double e = 1e-5;
@@ -91,14 +98,16 @@ TEST_CASE("[derivative] gradient and Hessian are those of the spline, inside cel
     Vector3 p = inner_point(draw);
     if (n % 2 == 0) {  // on a wall between cells: differences then straddle it
       const int axis = n / 2 % 3;
-      p[axis] = grid.origin[axis] + grid.spacing * std::round((p[axis] - grid.origin[axis]) / grid.spacing);
+      p[axis] = grid.origin[axis] +
+                grid.spacing * std::round((p[axis] - grid.origin[axis]) / grid.spacing);
     }
     const FieldValue at = grid.evaluate(p);
     CHECK(at.value == doctest::Approx(grid.value(p)).epsilon(1e-14));
     for (int a = 0; a < 3; ++a) {
       const Vector3 step = e * Vector3::Unit(a);
       const FieldValue up = grid.evaluate(p + step), down = grid.evaluate(p - step);
-      // Central differences: e²/6 × third derivative (≤ 10 with float noise of the coefficients), + 1e-16/e.
+      // Central differences: e²/6 × third derivative (≤ 10 with float noise of the coefficients), +
+      // 1e-16/e.
       CHECK(std::abs((up.value - down.value) / (2 * e) - at.gradient[a]) < 1e-9);
       // The second derivative has a kink at a wall, the third a jump (≤ 10/h here): e × jump.
       CHECK(((up.gradient - down.gradient) / (2 * e) - at.hessian.col(a)).norm() < 1e-3);

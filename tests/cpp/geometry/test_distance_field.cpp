@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/geometry/distance_field.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "condyle/geometry/distance_field.hpp"
 #include "support/random_pose.hpp"
 
 namespace condyle::geometry {
@@ -18,7 +17,8 @@ const Vector3 kCentre(0.0031, -0.0022, 0.0014);
 
 DistanceSample sphere(const Vector3& p) { return {(p - kCentre).norm() - kRadius, false}; }
 
-// The part of that sphere with its polar angle about `axis` below `kCap`: open, with a circle for a border.
+// The part of that sphere with its polar angle about `axis` below `kCap`: open, with a circle for a
+// border.
 const Vector3 kAxis = Vector3(0.5, -0.7, 0.4).normalized();
 constexpr double kCap = 1.3;
 
@@ -53,11 +53,12 @@ TEST_CASE("[oracle] a sphere's field: value, normal and curvature near the surfa
     const Vector3 normal = direction(draw);
     const double depth = draw(-1.5e-3, 0.5e-3);
     const FieldValue at = field.evaluate(kCentre + (kRadius + depth) * normal);
-    // Interpolation: h⁴/384·|∂⁴φ| with |∂⁴φ| ≤ 9/r³ along an axis, three axes: 4e-9 m at r = 17 mm; the derivatives lose a
-    // factor of about 1/h and 10/h² of it.
+    // Interpolation: h⁴/384·|∂⁴φ| with |∂⁴φ| ≤ 9/r³ along an axis, three axes: 4e-9 m at r = 17 mm;
+    // the derivatives lose a factor of about 1/h and 10/h² of it.
     CHECK(std::abs(at.value - depth) < 1e-8);
     CHECK((at.gradient - normal).norm() < 3e-5);
-    const Matrix3 curvature = (Matrix3::Identity() - normal * normal.transpose()) / (kRadius + depth);
+    const Matrix3 curvature =
+        (Matrix3::Identity() - normal * normal.transpose()) / (kRadius + depth);
     CHECK((at.hessian - curvature).norm() < 0.25);  // of 80 1/m
     CHECK_FALSE(field.on_border(kCentre + (kRadius + depth) * normal));
   }
@@ -90,7 +91,8 @@ TEST_CASE("[property] beyond the box is outside; deep inside is finite and insid
   for (int n = 0; n < 500; ++n) {
     const double radius = draw(0.0, kRadius - 3e-3);
     const double value = field.value(kCentre + radius * direction(draw));
-    // Filled from the coarse spline, whose spacing is 4.4 mm; it rounds the cone at the centre by about half of that.
+    // Filled from the coarse spline, whose spacing is 4.4 mm; it rounds the cone at the centre by
+    // about half of that.
     CHECK(std::abs(value - (radius - kRadius)) < 3e-3);
   }
 }
@@ -115,7 +117,8 @@ TEST_CASE("[property] an open border does not ring into the surface, and is told
     }
   }
   CHECK(beyond > 500);
-  // The continuation meets the distance with a jump of curvature only: error ~ h²/(8R)/4. A jump of sign would be 1e-4.
+  // The continuation meets the distance with a jump of curvature only: error ~ h²/(8R)/4. A jump of
+  // sign would be 1e-4.
   CHECK(worst < h * h / (8.0 * kRadius));
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/geometry/distance_field_cache.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "condyle/geometry/distance_field_cache.hpp"
 #include "condyle/geometry/mesh_distance_field.hpp"
 
 namespace condyle::geometry {
@@ -17,8 +16,8 @@ namespace {
 TriangleMesh tetrahedron() {
   TriangleMesh mesh;
   mesh.vertices.resize(4, 3);
-  mesh.vertices << 0.0113, 0.0009, -0.0021, -0.0092, 0.0107, -0.0033, -0.0081, -0.0102, -0.0017, 0.0006,
-      0.0011, 0.0125;
+  mesh.vertices << 0.0113, 0.0009, -0.0021, -0.0092, 0.0107, -0.0033, -0.0081, -0.0102, -0.0017,
+      0.0006, 0.0011, 0.0125;
   mesh.faces.resize(4, 3);
   mesh.faces << 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3;
   return mesh;
@@ -46,7 +45,8 @@ std::string content(const std::filesystem::path& file) {
 }
 
 void overwrite(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(file, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 bool same(const DistanceField& a, const DistanceField& b) {
@@ -64,7 +64,8 @@ TEST_CASE("[property] a field is built once and read back byte for byte") {
   CHECK(second.source == FieldSource::kCache);
   CHECK(same(*first.field, *second.field));
   CHECK(same(*first.field, build_distance_field(mesh, coarse(), 1)));
-  CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);  // nothing partial left
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) ==
+        1);  // nothing partial left
 }
 
 TEST_CASE("[error] a damaged file is rebuilt and replaced, never used") {
@@ -74,11 +75,12 @@ TEST_CASE("[error] a damaged file is rebuilt and replaced, never used") {
   const std::filesystem::path file = distance_field_file(mesh, coarse(), folder.path);
   const std::string good = content(file);
   REQUIRE(good.size() > 1000);
-  std::vector<std::string> bad = {"", good.substr(0, 40), good.substr(0, good.size() - 1), good + "x",
-                                  std::string(good.size(), '\0')};
+  std::vector<std::string> bad = {"", good.substr(0, 40), good.substr(0, good.size() - 1),
+                                  good + "x", std::string(good.size(), '\0')};
   // One bit, in the magic, version, node count, hash, settings, origin, data and checksum.
-  for (const std::size_t at : {std::size_t{3}, std::size_t{8}, std::size_t{13}, std::size_t{30},
-                               std::size_t{95}, std::size_t{125}, good.size() / 2, good.size() - 3}) {
+  for (const std::size_t at :
+       {std::size_t{3}, std::size_t{8}, std::size_t{13}, std::size_t{30}, std::size_t{95},
+        std::size_t{125}, good.size() / 2, good.size() - 3}) {
     std::string flipped = good;
     flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
     bad.push_back(flipped);
@@ -92,7 +94,8 @@ TEST_CASE("[error] a damaged file is rebuilt and replaced, never used") {
   }
 }
 
-TEST_CASE("[property] another mesh or setting has another file, and a swapped file is not trusted") {
+TEST_CASE(
+    "[property] another mesh or setting has another file, and a swapped file is not trusted") {
   const Folder folder("cache-swapped");
   const TriangleMesh mesh = tetrahedron();
   TriangleMesh other = mesh;

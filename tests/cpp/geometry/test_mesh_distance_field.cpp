@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/geometry/mesh_distance_field.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "condyle/geometry/mesh_distance_field.hpp"
 #include "condyle/geometry/signed_distance.hpp"
 #include "support/random_pose.hpp"
 
@@ -53,7 +52,8 @@ TEST_CASE("[oracle] the field follows the exact distance, its sign and its borde
       continue;
     }
     ++inner;
-    // Facets: sagitta e²/(8R) with edges of 1 mm on R ≥ 12 mm is 10 µm, and what the spline rounds is less than that.
+    // Facets: sagitta e²/(8R) with edges of 1 mm on R ≥ 12 mm is 10 µm, and what the spline rounds
+    // is less than that.
     CHECK(std::abs(field.value(p) - query.distance) < 1e-5);
   }
   CHECK(inner > 2000);
