@@ -22,7 +22,8 @@ _LIGHT = np.array([-0.35, -0.45, 0.82])
 
 def _to_plot_axes(points: Floats) -> Floats:
     """(x anterior, y up, z right) in m to plot axes (right, anterior, up) in mm."""
-    return 1e3 * points[..., [2, 0, 1]]
+    moved: Floats = 1e3 * points[..., [2, 0, 1]]
+    return moved
 
 
 def _shaded(triangles: Floats, base: Floats) -> Floats:
@@ -30,7 +31,8 @@ def _shaded(triangles: Floats, base: Floats) -> Floats:
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     # Plot axes are a rotation of the model's, so normals keep their sense; an open surface is lit from both sides.
     brightness = 0.42 + 0.58 * np.abs(normals @ (_LIGHT / np.linalg.norm(_LIGHT)))
-    return np.clip(base * brightness[:, None], 0.0, 1.0)
+    shades: Floats = np.clip(base * brightness[:, None], 0.0, 1.0)
+    return shades
 
 
 def implant_figure(
@@ -80,7 +82,9 @@ def implant_figure(
         face_colours = colours.to_rgba(pressure * 1e-6)
         face_colours[pressure <= 0.0, :3] = _POLYETHYLENE
         top.add_collection(
-            PolyCollection(triangles, facecolors=face_colours, edgecolors="face", linewidths=0.1)
+            PolyCollection(
+                list(triangles), facecolors=face_colours, edgecolors="face", linewidths=0.1
+            )
         )
     top.autoscale_view()
     top.set_aspect("equal")

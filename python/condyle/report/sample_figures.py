@@ -72,10 +72,9 @@ def domain_figure(
         for d in sorted(set(domains.tolist()))
     ]
     handles += figure.axes[0].plot([], [], "k-", label="reference curves: " + ", ".join(curves))
-    figure.legend(handles=handles, loc="upper right", fontsize=11)
-    figure.suptitle(
-        f"Sampled domains: pose and total load ({len(points)} samples, every {step}. shown)"
-    )
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.98, 0.9), fontsize=11)
+    shown_text = f"{len(points)} samples" + ("" if step == 1 else f", one in {step} shown")
+    figure.suptitle(f"Sampled domains: pose and total load ({shown_text})", x=0.02, ha="left")
     return figure
 
 

@@ -38,13 +38,18 @@ def loads_figure(activity: str, traces: list[Trace]) -> Figure:
                     line,
                     color=COLOURS[side] if line == "-" else "black",
                     linewidth=2.2 if line == "-" else 1.0,
-                    label=f"{side}, {trace.label}",
+                    # All dashed lines are black: one entry says what they are.
+                    label=f"{side}, {trace.label}"
+                    if line == "-"
+                    else trace.label
+                    if s == 0
+                    else None,
                 )
         axis.set_title(f"{LOAD_COLUMNS[i]} [{LOAD_UNITS[i]}]")
         if i >= 3:
             axis.set_xlabel("time [s]")
     handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
     figure.suptitle(f"{activity}: contact loads on the femoral component, in the tibial frame")
     return figure
 

@@ -9,6 +9,7 @@ before iterating.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, Prescribed
 from condyle.sampling.principal_axes import PrincipalBox
 from condyle.sampling.reference_curves import ReferenceCurves
+from condyle.sampling.thickening import thickened
 
 _POSE_VARIABLES = ("x", "z", "theta_y", "theta_z")
 
@@ -39,10 +41,17 @@ class ContactBoundaryDomain:
 
     @classmethod
     def around(
-        cls, curves: ReferenceCurves, *, widening: float, max_Fy: float, max_Mx: float
+        cls,
+        curves: ReferenceCurves,
+        *,
+        widening: float,
+        margins: Mapping[str, float],
+        max_Fy: float,
+        max_Mx: float,
     ) -> ContactBoundaryDomain:
-        """The domain of reference curves."""
-        box = PrincipalBox.around(curves.table(_POSE_VARIABLES), _POSE_VARIABLES, widening)
+        """The domain of reference curves, each thickened by ± its margin in some variables."""
+        values = thickened(curves.table(_POSE_VARIABLES), _POSE_VARIABLES, margins)
+        box = PrincipalBox.around(values, _POSE_VARIABLES, widening)
         return cls(box, max_Fy, max_Mx)
 
     def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:

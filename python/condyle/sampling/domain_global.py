@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Domain 2, global: where the activities are, and half as much again around them.
 
-The six sampled variables {x, Fy, z, Mx, θy, θz} of all reference curves are z-scored; each
-principal score's [min, max] is widened about its middle to 1.5 × its length; the unit cube maps to
-that box, the first cube coordinate (the most even one of a Hammersley set) to the axis of largest
-variance.
+The six sampled variables {x, Fy, z, Mx, θy, θz} of all reference curves, thickened first (see
+:mod:`condyle.sampling.thickening`), are z-scored; each principal score's [min, max] is widened about
+its middle to 1.5 × its length; the unit cube maps to that box, the first cube coordinate (the most
+even one of a Hammersley set) to the axis of largest variance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, Prescribed
 from condyle.sampling.principal_axes import PrincipalBox
 from condyle.sampling.reference_curves import ReferenceCurves
+from condyle.sampling.thickening import thickened
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,12 @@ class GlobalDomain:
     number = 2
 
     @classmethod
-    def around(cls, curves: ReferenceCurves, *, widening: float) -> GlobalDomain:
-        """The domain of reference curves."""
-        return cls(
-            PrincipalBox.around(curves.table(PRESCRIBED_COLUMNS), PRESCRIBED_COLUMNS, widening)
-        )
+    def around(
+        cls, curves: ReferenceCurves, *, widening: float, margins: Mapping[str, float]
+    ) -> GlobalDomain:
+        """The domain of reference curves, each thickened by ± its margin in some variables."""
+        values = thickened(curves.table(PRESCRIBED_COLUMNS), PRESCRIBED_COLUMNS, margins)
+        return cls(PrincipalBox.around(values, PRESCRIBED_COLUMNS, widening))
 
     def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:
         """The equilibria of points (n, 6) of the unit cube."""

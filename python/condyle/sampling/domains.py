@@ -14,12 +14,16 @@ from condyle.sampling.reference_curves import ReferenceCurves
 
 
 def _global(plan: SamplingPlan, curves: ReferenceCurves) -> SamplingDomain:
-    return GlobalDomain.around(curves, widening=plan.widening)
+    return GlobalDomain.around(curves, widening=plan.widening, margins=plan.margins)
 
 
 def _boundary(plan: SamplingPlan, curves: ReferenceCurves) -> SamplingDomain:
     return ContactBoundaryDomain.around(
-        curves, widening=plan.widening, max_Fy=plan.boundary_max_Fy, max_Mx=plan.boundary_max_Mx
+        curves,
+        widening=plan.widening,
+        margins=plan.margins,
+        max_Fy=plan.boundary_max_Fy,
+        max_Mx=plan.boundary_max_Mx,
     )
 
 

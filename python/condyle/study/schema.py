@@ -104,7 +104,7 @@ class TrainingSection(Section):
 
     hidden_layers: Annotated[int, Field(ge=1, le=6)] = 3
     neurons: Annotated[int, Field(ge=1, le=200)] = 30
-    max_epochs: Annotated[int, Field(ge=1)] = 60
+    max_epochs: Annotated[int, Field(ge=1)] = 80
     time_budget_s: Positive | None = None
     seed: Seed = 1
     threads: Annotated[int, Field(ge=1, le=256)] = 2

@@ -15,11 +15,19 @@ if TYPE_CHECKING:
 
 
 def simulate(model: ContactModel, load_case: LoadCase, context: StudyContext) -> KneeSimulation:
-    """The knee simulator over a load case, for the study's insert width."""
-    from condyle.fdk import KneeSimulatorSettings, simulate_knee
+    """The knee simulator over a load case, set up the same for every contact model of the study.
+
+    Start and reference of the restraint springs are where the femur settles on the reference contact.
+    """
+    from condyle.fdk import KneeSimulatorSettings, settled_pose, simulate_knee
 
     settings = KneeSimulatorSettings()
     settings.insert_width = context.reference.insert_width
+    extended = settled_pose(context.reference, 0.0)
+    springs = settings.restraint
+    springs.reference_x, springs.reference_z, springs.reference_theta_y = extended[[0, 2, 4]]
+    settings.restraint = springs
+    settings.initial_pose = settled_pose(context.reference, float(load_case.flexion[0]))
     return simulate_knee(model, load_case, settings)
 
 

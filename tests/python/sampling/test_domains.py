@@ -31,7 +31,7 @@ def test_paper_counts_add_up_to_the_designs_total() -> None:
 
 
 def test_global_domain_contains_its_curves_with_room(curves: ReferenceCurves) -> None:
-    domain = GlobalDomain.around(curves, widening=1.5)
+    domain = GlobalDomain.around(curves, widening=1.5, margins={})
     table = curves.table(PRESCRIBED_COLUMNS)
     assert np.all(domain.box.contains(table))
     # A quarter of the range on either side of every score.
@@ -44,7 +44,7 @@ def test_global_domain_contains_its_curves_with_room(curves: ReferenceCurves) ->
 def test_global_domain_prescribes_points_of_its_box_in_the_papers_order(
     curves: ReferenceCurves,
 ) -> None:
-    domain = GlobalDomain.around(curves, widening=1.5)
+    domain = GlobalDomain.around(curves, widening=1.5, margins={})
     unit = hammersley(300)
     prescribed = domain.prescribe(unit)
     assert np.array_equal(prescribed.to_array(), domain.box.values(unit))
@@ -52,7 +52,9 @@ def test_global_domain_prescribes_points_of_its_box_in_the_papers_order(
 
 
 def test_boundary_domain_has_its_loads_whatever_the_pose(curves: ReferenceCurves) -> None:
-    domain = ContactBoundaryDomain.around(curves, widening=1.5, max_Fy=100.0, max_Mx=5.0)
+    domain = ContactBoundaryDomain.around(
+        curves, widening=1.5, margins={}, max_Fy=100.0, max_Mx=5.0
+    )
     # Shifted off the cube's faces, where rounding decides what is inside.
     prescribed = domain.prescribe(hammersley(4096, shift=seeded_shift(1, "inside")))
     assert 0 <= prescribed.Fy.min() < 0.05 < 99.95 < prescribed.Fy.max() <= 100

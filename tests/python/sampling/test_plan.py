@@ -8,7 +8,7 @@ from condyle.errors import InputDataError
 from condyle.sampling import DomainTarget, SamplingPlan
 
 
-@pytest.mark.parametrize(("name", "total"), [("quick", 2_800), ("standard", 14_000)])
+@pytest.mark.parametrize(("name", "total"), [("quick", 7_000), ("standard", 14_000)])
 def test_presets_have_both_domains_and_the_papers_split(name: str, total: int) -> None:
     plan = SamplingPlan.preset(name, seed=1)
     assert [target.domain for target in plan.targets] == [2, 4]
@@ -19,7 +19,7 @@ def test_presets_have_both_domains_and_the_papers_split(name: str, total: int) -
 
 def test_named_targets_change_and_others_stay() -> None:
     plan = SamplingPlan.preset("quick", seed=1).with_targets({4: {"train": 55}})
-    assert plan.targets == (DomainTarget(2, 1_700, 300), DomainTarget(4, 55, 120))
+    assert plan.targets == (DomainTarget(2, 4_250, 750), DomainTarget(4, 55, 300))
     assert SamplingPlan((DomainTarget(4, 9, 1),), seed=3).with_targets(
         {2: {"train": 7, "test": 2}}
     ).targets == (DomainTarget(2, 7, 2), DomainTarget(4, 9, 1))
@@ -29,7 +29,7 @@ def test_json_holds_every_field() -> None:
     plan = SamplingPlan.preset("quick", seed=8)
     text = plan.to_json()
     assert set(text) == {field.name for field in dataclasses.fields(plan)}
-    assert json.loads(json.dumps(text))["targets"][1] == {"domain": 4, "train": 680, "test": 120}
+    assert json.loads(json.dumps(text))["targets"][1] == {"domain": 4, "train": 1_700, "test": 300}
 
 
 def test_mistakes_are_refused_by_field_value_and_limit() -> None:

@@ -69,7 +69,9 @@ def test_report_is_table_1_and_agrees_with_the_candidates(
         feasible = row.accepted + rejected
         assert row.feasible_acceptance == pytest.approx(row.accepted / feasible)
     # |Mx| ≤ SPACING · Fy holds on 0.5 · 0.023 · 100 / 5 of the rectangle, so not on 77 % of it.
-    assert 0.7 < report.domains[1].rejected["no_equilibrium"] / report.domains[1].candidates < 0.84
+    boundary = report.domains[1]
+    within_range = boundary.candidates - boundary.rejected["beyond_range"]
+    assert 0.7 < boundary.rejected["no_equilibrium"] / within_range < 0.84
     table = json.loads(json.dumps(report.to_json()))
     assert [row["paper_train"] for row in table["domains"]] == [27_253, 9_990]
     assert (table["train"], table["test"], table["resumed"]) == (255, 45, False)
@@ -209,7 +211,7 @@ def test_missing_samples_are_made_up_for_by_shifted_rounds(
     def harder_than_the_pilot(prescribed: Prescribed) -> Solved:
         solved = springs(prescribed)
         if springs.calls > 1:
-            solved.status[::3] = "not_converged"
+            solved.status[::2] = "not_converged"
         return solved
 
     plan = SamplingPlan((DomainTarget(4, 90, 10),), seed=3, pilot=64)

@@ -59,6 +59,8 @@ def _import(context: StudyContext) -> None:
         units=section.units,
         side_of_body=section.side_of_body,
     )
-    context.directory.implant.mkdir(parents=True, exist_ok=True)
-    for name, mesh in implant.items():
-        write_mesh(context.directory.implant / f"{name}.stl", mesh)
+    folder = context.directory.implant
+    folder.mkdir(parents=True, exist_ok=True)
+    write_mesh(folder / "femur.stl", implant["femur"])
+    write_mesh(folder / "insert_medial.stl", implant["insert_medial"])
+    write_mesh(folder / "insert_lateral.stl", implant["insert_lateral"])

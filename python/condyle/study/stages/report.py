@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stage ``report``: tables.json, tables.md and the figures."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import condyle
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
 from condyle.study.run_directory import write_whole
 from condyle.study.simulation_files import read_simulation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TABLES = (
     "samples",
@@ -82,7 +89,7 @@ def _figures(context: StudyContext) -> list[Path]:
     return made
 
 
-def _pressure_figure(context: StudyContext, name: str, trace: dict[str, np.ndarray]) -> object:
+def _pressure_figure(context: StudyContext, name: str, trace: dict[str, NDArray[Any]]) -> Figure:
     """The implant at the time frame of the highest total compression."""
     from condyle.contact import rotation_TF
     from condyle.report.implant_figures import implant_figure

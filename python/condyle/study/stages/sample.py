@@ -46,9 +46,7 @@ def _sample(context: StudyContext) -> list[Path]:
     report = sample(
         plan,
         reference_curves(context),
-        equilibrium_solver(
-            context.reference, max_depth=plan.max_depth, threads=context.threads
-        ),
+        equilibrium_solver(context.reference, max_depth=plan.max_depth, threads=context.threads),
         context.directory.samples,
         context.identity(),
         progress,
@@ -78,16 +76,12 @@ def _plan(context: StudyContext) -> SamplingPlan:
     """The section's preset with the study's own numbers over it."""
     import dataclasses
 
-    from condyle.sampling import DomainTarget, SamplingPlan
+    from condyle.sampling import SamplingPlan
 
     section = context.study.sampling
     plan = SamplingPlan.preset(section.preset, seed=section.seed)
-    targets = {target.domain: target for target in plan.targets}
-    for number, own in section.targets.items():
-        known = targets.get(int(number), DomainTarget(int(number), 1, 0))
-        targets[int(number)] = dataclasses.replace(known, **own)
-    return dataclasses.replace(
-        plan,
-        targets=tuple(targets[number] for number in sorted(targets)),
-        max_depth=1e-3 * context.study.contact.plausible_depth_mm,
-    )
+    own = {
+        int(d): {str(k): n for k, n in numbers.items()} for d, numbers in section.targets.items()
+    }
+    plan = plan.with_targets(own)
+    return dataclasses.replace(plan, max_depth=1e-3 * context.study.contact.plausible_depth_mm)
