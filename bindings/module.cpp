@@ -15,6 +15,9 @@ void bind_io(nb::module_& m);
 
 NB_MODULE(_core, m) {
   using namespace condyle::bindings;
+  // At exit nanobind lists what the interpreter has not released, such as what a test runner still holds: nothing a user
+  // can act on, and a library does not print.
+  nb::set_leak_warnings(false);
   m.doc() = "Condyle's C++ core. Use the condyle package; this module is its inside.";
   nb::module_ common = m.def_submodule("common", "Conventions: poses, wrenches, clinical kinematics.");
   nb::module_ geometry = m.def_submodule("geometry", "Triangle meshes and distances.");

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,6 @@ from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
 from condyle.study.run_directory import write_whole
 from condyle.study.simulation_files import read_simulation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TABLES = (
     "samples",
@@ -74,9 +71,7 @@ def _figures(context: StudyContext) -> list[Path]:
             ]
             made.append(save(loads_figure(name, traces), folder / f"{name}_loads.png"))
             made.append(save(kinematics_figure(name, traces), folder / f"{name}_kinematics.png"))
-            made.append(
-                save(_pressure_figure(context, name, known), folder / f"{name}_pressure.png")
-            )
+            made.append(_draw_pressure(context, name, known, folder / f"{name}_pressure.png"))
         dataset = Dataset.read(context.directory.samples)
         figure = domain_figure(dataset.poses, dataset.wrenches, dataset.domain, curves)
         made.append(save(figure, folder / "samples.png"))
@@ -89,20 +84,21 @@ def _figures(context: StudyContext) -> list[Path]:
     return made
 
 
-def _pressure_figure(context: StudyContext, name: str, trace: dict[str, NDArray[Any]]) -> Figure:
+def _draw_pressure(
+    context: StudyContext, name: str, trace: dict[str, NDArray[Any]], file: Path
+) -> Path:
     """The implant at the time frame of the highest total compression."""
     from condyle.contact import rotation_TF
     from condyle.report.implant_figures import implant_figure
+    from condyle.report.style import save
 
     frame = int(np.argmax(trace["wrenches"][:, :, 1].sum(axis=1)))
     pose = trace["poses"][frame]
     contact = context.reference
-    inserts = [
-        (mesh.vertices, mesh.faces) for mesh in (contact.insert_medial, contact.insert_lateral)
-    ]
+    inserts = [(m.vertices, m.faces) for m in (contact.insert_medial, contact.insert_lateral)]
     force = trace["wrenches"][frame, :, 1].sum()
     flexion = np.degrees(trace["kinematics"][frame, 0])
-    return implant_figure(
+    figure = implant_figure(
         (contact.femur.vertices, contact.femur.faces),
         inserts,
         contact.face_pressures(pose),
@@ -110,3 +106,4 @@ def _pressure_figure(context: StudyContext, name: str, trace: dict[str, NDArray[
         pose[:3],
         f"{name}: {force:.0f} N at {flexion:.0f}° of flexion",
     )
+    return save(figure, file)
