@@ -74,6 +74,23 @@ class ContactSection(Section):
     plausible_depth_mm: Annotated[float, Field(gt=0, le=10)] = 2.0
 
 
+class SimulatorSection(Section):
+    """What holds the knee in the simulator beside the contact: restraint springs, and ligaments if wanted.
+
+    Attributes:
+        ap_stiffness_N_per_mm: spring on x about the settled pose (ISO-like).
+        ie_stiffness_Nm_per_deg: spring on θy.
+        ml_stiffness_N_per_mm: spring on z; simulators leave it free.
+        ligaments: add eight Blankevoort bundles with one subject's attachments and stiffnesses; their reference
+            strains hold at the settled pose.
+    """
+
+    ap_stiffness_N_per_mm: Annotated[float, Field(ge=0, le=1e4)] = 30.0
+    ie_stiffness_Nm_per_deg: Annotated[float, Field(ge=0, le=1e3)] = 0.6
+    ml_stiffness_N_per_mm: Annotated[float, Field(ge=0, le=1e4)] = 0.0
+    ligaments: bool = False
+
+
 class SamplingSection(Section):
     """The sampling plan.
 
@@ -123,6 +140,7 @@ class Study(Section):
     activities: tuple[str, ...] = ("iso_like_gait", "squat_like")
     implant: ImplantSection = ImplantSection(preset="curved")
     contact: ContactSection = ContactSection()
+    simulator: SimulatorSection = SimulatorSection()
     sampling: SamplingSection = SamplingSection()
     training: TrainingSection = TrainingSection()
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from condyle.errors import CondyleError
@@ -19,14 +20,26 @@ def simulate(model: ContactModel, load_case: LoadCase, context: StudyContext) ->
 
     Start and reference of the restraint springs are where the femur settles on the reference contact.
     """
-    from condyle.fdk import KneeSimulatorSettings, settled_pose, simulate_knee
+    from condyle.fdk import (
+        KneeSimulatorSettings,
+        RestraintSprings,
+        default_ligaments,
+        settled_pose,
+        simulate_knee,
+    )
 
+    section = context.study.simulator
+    extended = settled_pose(context.reference, 0.0)
+    springs = RestraintSprings()
+    springs.ap_stiffness = 1e3 * section.ap_stiffness_N_per_mm
+    springs.ie_stiffness = math.degrees(section.ie_stiffness_Nm_per_deg)  # per rad
+    springs.ml_stiffness = 1e3 * section.ml_stiffness_N_per_mm
+    springs.reference_x, springs.reference_z, springs.reference_theta_y = extended[[0, 2, 4]]
     settings = KneeSimulatorSettings()
     settings.insert_width = context.reference.insert_width
-    extended = settled_pose(context.reference, 0.0)
-    springs = settings.restraint
-    springs.reference_x, springs.reference_z, springs.reference_theta_y = extended[[0, 2, 4]]
     settings.restraint = springs
+    if section.ligaments:
+        settings.ligaments = default_ligaments(context.study.implant.side_of_body, extended)
     settings.initial_pose = settled_pose(context.reference, float(load_case.flexion[0]))
     return simulate_knee(model, load_case, settings)
 

@@ -37,7 +37,7 @@ def test_paths_are_relative_to_the_study(tmp_path):
         ),
         (
             "nme = 'a'\n",
-            "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, training",
+            "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, simulator, training",
         ),
         (
             "[contact]\npressure_modulus = -1.0\n",

@@ -16,7 +16,7 @@ from condyle.study.simulation_files import write_simulation
 def run(context: StudyContext) -> bool:
     """Simulates every activity; fails, naming time frame and coordinate, if one does not converge."""
     inputs = {
-        **context.study.canonical("contact"),
+        **context.study.canonical("contact", "simulator"),
         "implant": context.outputs_of("implant"),
         "activities": context.activity_digests(),
         "version": condyle.__version__,
