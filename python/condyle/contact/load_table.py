@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from condyle._core import contact as _contact
 from condyle.conventions import LOAD_COLUMNS, POSE_COLUMNS, SIDES
 from condyle.errors import InputDataError
+from condyle.whole_files import write_whole
 
 Columns = dict[str, NDArray[np.float64] | list[str]]
 
@@ -52,14 +53,11 @@ def write_table(file: str | PathLike[str], columns: Columns) -> None:
     """Writes columns as CSV, whole or not at all; numbers read back to the same values.
 
     Raises:
-        OSError: the file cannot be written.
+        InputDataError: the file cannot be written.
     """
     texts = [
         c if isinstance(c, list) else [repr(value) for value in c.tolist()]
         for c in columns.values()
     ]
     rows = [",".join(columns), *(",".join(row) for row in zip(*texts, strict=True))]
-    path = Path(file)
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text("\n".join(rows) + "\n", encoding="utf-8")
-    partial.replace(path)
+    write_whole(Path(file), "\n".join(rows) + "\n")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One look for all figures, and one way to save them."""
 
-import os
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +9,8 @@ from typing import Any, Final
 
 import matplotlib
 from matplotlib.figure import Figure
+
+from condyle.whole_files import write_whole
 
 #: Colour-blind safe (Okabe & Ito 2008): medial, lateral, total; reference solid, surrogate dashed.
 COLOURS: Final = {"medial": "#0072B2", "lateral": "#D55E00", "total": "#222222"}
@@ -46,8 +48,7 @@ def house_style() -> Iterator[None]:
 
 def save(figure: Figure, file: Path) -> Path:
     """Saves a figure as PNG, whole or not at all, without a date in it."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(file.name + ".partial")
-    figure.savefig(partial, format="png", metadata={"Software": None})
-    os.replace(partial, file)
+    image = io.BytesIO()
+    figure.savefig(image, format="png", metadata={"Software": None})
+    write_whole(file, image.getvalue())
     return file

@@ -25,7 +25,7 @@ from condyle.sampling.equilibrium_protocol import StaticEquilibriumSolver
 from condyle.sampling.evaluate_chunk import ACCEPTED, INFEASIBLE, Chunk, evaluate_chunk
 from condyle.sampling.part_files import damaged, encode_part, read_part_record
 from condyle.sampling.plan import SamplingPlan
-from condyle.sampling.whole_files import write_whole
+from condyle.whole_files import write_whole
 
 CANDIDATES_FOLDER: Final = "candidates"
 #: Chunks in flight with an executor: enough to keep many workers busy, few enough to keep memory

@@ -23,7 +23,7 @@ from condyle.errors import InputDataError
 from condyle.sampling.part_files import SAMPLE_SCHEMA, UNITS
 from condyle.sampling.plan import SamplingPlan
 from condyle.sampling.reference_curves import ReferenceCurves
-from condyle.sampling.whole_files import content_hash, to_canonical_json
+from condyle.whole_files import content_hash, to_canonical_json
 
 FORMAT: Final = "condyle samples 1"
 MANIFEST_NAME: Final = "manifest.json"

@@ -28,7 +28,7 @@ from condyle.sampling.reference_curves import ReferenceCurves
 from condyle.sampling.report import DomainReport, Progress, SamplingProgress, SamplingReport
 from condyle.sampling.run_log import RunLog
 from condyle.sampling.sample_parts import check_sample_parts, write_sample_parts
-from condyle.sampling.whole_files import remove_leftovers, to_canonical_json, write_whole
+from condyle.whole_files import remove_leftovers, to_canonical_json, write_whole
 
 
 def sample(

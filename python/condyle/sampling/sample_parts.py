@@ -21,7 +21,7 @@ from condyle.sampling.evaluate_chunk import ACCEPTED, Chunk
 from condyle.sampling.part_files import SAMPLE_SCHEMA, damaged, encode_part, read_part
 from condyle.sampling.plan import DomainTarget, SamplingPlan
 from condyle.sampling.selection import DROPPED, SPLIT_NAMES, assign_splits
-from condyle.sampling.whole_files import content_hash, write_whole
+from condyle.whole_files import content_hash, write_whole
 
 SAMPLES_FOLDER: Final = "samples"
 _PART_ROWS: Final = 8192

@@ -3,19 +3,12 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-
-def write_whole(file: Path, text: str) -> None:
-    """Writes text to a file whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(file.name + ".partial")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, file)
+from condyle.whole_files import write_whole
 
 
 def digest_of_data(data: Any) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from condyle.conventions import POSE_COLUMNS, WRENCH_COLUMNS
-from condyle.study.run_directory import write_whole
+from condyle.whole_files import write_whole
 
 if TYPE_CHECKING:
     from condyle.fdk import KneeSimulation

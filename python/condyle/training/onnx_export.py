@@ -50,6 +50,7 @@ from condyle.errors import InputDataError
 from condyle.training.onnx_graph import GraphBuilder, add_trust, add_two_stage
 from condyle.training.trust import TrustModel
 from condyle.training.two_stage import TwoStageSurrogate
+from condyle.whole_files import write_whole
 
 CONTRACT_VERSION = "1"
 OPSET = 17
@@ -171,10 +172,7 @@ def _write(
     )
     helper.set_model_props(model, _metadata_props(surrogate, trust, metadata))
     onnx.checker.check_model(model, full_check=True)
-    target = Path(path)
-    temporary = target.with_name(target.name + ".tmp")
-    temporary.write_bytes(model.SerializeToString(deterministic=True))
-    os.replace(temporary, target)
+    write_whole(Path(path), model.SerializeToString(deterministic=True))
 
 
 def _metadata_props(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import Any
@@ -10,17 +11,14 @@ from typing import Any
 import torch
 
 from condyle.errors import InputDataError
+from condyle.whole_files import write_whole
 
 
 def write_atomically(path: str | os.PathLike[str], values: dict[str, Any]) -> None:
     """Saves ``values`` with torch so that a kill leaves either the old file or the new one."""
-    target = Path(path)
-    temporary = target.with_name(target.name + ".tmp")
-    with temporary.open("wb") as stream:
-        torch.save(values, stream)
-        stream.flush()
-        os.fsync(stream.fileno())
-    os.replace(temporary, target)
+    stream = io.BytesIO()
+    torch.save(values, stream)
+    write_whole(Path(path), stream.getvalue())
 
 
 def read_torch_file(path: str | os.PathLike[str], expected_format: str) -> dict[str, Any]:

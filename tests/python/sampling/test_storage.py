@@ -19,7 +19,7 @@ from condyle.sampling.part_files import (
     read_part_record,
 )
 from condyle.sampling.run_log import RunLog
-from condyle.sampling.whole_files import remove_leftovers, to_canonical_json, write_whole
+from condyle.whole_files import remove_leftovers, to_canonical_json, write_whole
 
 
 def small_table() -> pa.Table:

@@ -72,7 +72,7 @@ def test_the_run_directory_holds_what_was_promised(runs):
         "tables/sample_errors.json",
     ):
         assert (root / name).stat().st_size > 0, name
-    assert not list(root.rglob("*.partial"))
+    assert not list(root.rglob("*.tmp"))
 
 
 def test_the_surrogate_says_whose_it_is(runs):

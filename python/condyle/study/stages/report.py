@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 import condyle
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
-from condyle.study.run_directory import write_whole
 from condyle.study.simulation_files import read_simulation
+from condyle.whole_files import write_whole
 
 TABLES = (
     "samples",

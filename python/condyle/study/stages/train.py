@@ -8,7 +8,7 @@ from pathlib import Path
 import condyle
 from condyle.errors import CondyleError
 from condyle.study.context import StudyContext
-from condyle.study.run_directory import write_whole
+from condyle.whole_files import write_whole
 
 
 def run(context: StudyContext) -> bool:

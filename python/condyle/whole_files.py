@@ -19,8 +19,8 @@ from condyle.errors import InputDataError
 _TEMPORARY_SUFFIX: Final = ".tmp"
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Put ``content`` at ``path``, making its folder where needed.
+def write_whole(path: Path, content: bytes | str) -> None:
+    """Put ``content`` at ``path``, text as UTF-8, making its folder where needed.
 
     Raises:
         InputDataError: The disk is full, the folder cannot be written, …; names the file and the
@@ -30,7 +30,7 @@ def write_whole(path: Path, content: bytes) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(temporary, "wb") as file:
-            file.write(content)
+            file.write(content.encode() if isinstance(content, str) else content)
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)
