@@ -98,6 +98,9 @@ class SamplingSection(Section):
         preset: ``quick`` or ``standard`` numbers of samples.
         targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``.
         seed: of the design and of the split.
+        margin_x_mm: reference curves are thickened by ± this in x before the domains are drawn around them.
+        margin_z_mm: likewise in z.
+        margin_theta_y_deg: likewise in θy.
     """
 
     preset: Literal["quick", "standard"] = "quick"
@@ -105,6 +108,9 @@ class SamplingSection(Section):
         Literal["2", "4"], dict[Literal["train", "test"], Annotated[int, Field(ge=1)]]
     ] = {}
     seed: Seed = 2017
+    margin_x_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
+    margin_z_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
+    margin_theta_y_deg: Annotated[float, Field(ge=0, le=25)] = 1.0
 
 
 class TrainingSection(Section):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -84,4 +85,10 @@ def _plan(context: StudyContext) -> SamplingPlan:
         int(d): {str(k): n for k, n in numbers.items()} for d, numbers in section.targets.items()
     }
     plan = plan.with_targets(own)
-    return dataclasses.replace(plan, max_depth=1e-3 * context.study.contact.plausible_depth_mm)
+    return dataclasses.replace(
+        plan,
+        max_depth=1e-3 * context.study.contact.plausible_depth_mm,
+        margin_x=1e-3 * section.margin_x_mm,
+        margin_z=1e-3 * section.margin_z_mm,
+        margin_theta_y=math.radians(section.margin_theta_y_deg),
+    )
