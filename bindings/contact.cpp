@@ -62,10 +62,10 @@ auto face_pressure(const MeshContact& contact, const PoseIn& pose, Side side) {
 }
 
 void make_mesh_contact(MeshContact* contact, const TriangleMesh& femur, const TriangleMesh& medial,
-                       const TriangleMesh& lateral, SideOfBody side, const LinearVolumeLaw& law,
+                       const TriangleMesh& lateral, SideOfBody side, const ContactLaw& law,
                        const MeshContactSettings& settings) {
   nb::gil_scoped_release release;
-  new (contact) MeshContact(femur, {medial, lateral}, side, ContactLaw(law), settings);
+  new (contact) MeshContact(femur, {medial, lateral}, side, law, settings);
 }
 
 void bind_detail(nb::module_& m) {
@@ -112,9 +112,6 @@ void bind_contact(nb::module_& m) {
   m.def(
       "evaluation", [](const std::string& name) { return evaluation_from_name(name); }, "name"_a,
       "Reads 'exact' or 'fast'.");
-  nb::class_<LinearVolumeLaw>(m, "LinearVolumeLaw", "Pressure p = K d.")
-      .def(nb::init<>())
-      .def_rw("modulus", &LinearVolumeLaw::modulus, "K [N/m^3]");
   nb::class_<MeshContactSettings>(m, "MeshContactSettings")
       .def(nb::init<>())
       .def_rw("evaluation", &MeshContactSettings::evaluation)

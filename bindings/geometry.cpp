@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "condyle/geometry/mesh_hash.hpp"
 #include "condyle/geometry/mesh_repair.hpp"
 #include "condyle/geometry/mesh_report.hpp"
+#include "condyle/geometry/overlap_volume.hpp"
 #include "condyle/geometry/signed_distance.hpp"
 
 namespace condyle::bindings {
@@ -103,6 +105,37 @@ void bind_repair(nb::module_& m) {
         "Welds vertices, drops faces without area and repeated faces, makes windings agree.");
 }
 
+// (volume (n,), centroid (n, 3), status by name): a femur's overlap with an insert at n poses.
+nb::tuple overlaps(const OverlapSolid& femur, const OverlapSolid& insert, const PosesIn& poses,
+                   int threads) {
+  std::vector<OverlapVolume> found;
+  {
+    nb::gil_scoped_release release;
+    found = overlap_volumes(femur, insert, as_poses(poses), threads);
+  }
+  std::vector<double> volume, centroid;
+  std::vector<std::string> status;
+  for (const OverlapVolume& one : found) {
+    volume.push_back(one.volume);
+    centroid.insert(centroid.end(), one.centroid.data(), one.centroid.data() + 3);
+    status.emplace_back(name(one.status));
+  }
+  return nb::make_tuple(to_numpy(std::move(volume), {found.size()}),
+                        to_numpy(std::move(centroid), {found.size(), 3}), std::move(status));
+}
+
+void bind_overlap(nb::module_& m) {
+  using namespace nb::literals;
+  nb::class_<OverlapSolid>(m, "OverlapSolid", "A closed surface, prepared to be overlapped.")
+      .def(nb::init<const TriangleMesh&, const std::string&>(), "mesh"_a, "what"_a,
+           nb::call_guard<nb::gil_scoped_release>())
+      .def_prop_ro("volume", &OverlapSolid::volume, "[m^3]")
+      .def_prop_ro("self_intersections", &OverlapSolid::self_intersections,
+                   "Pairs of faces that meet in more than what they share.");
+  m.def("overlap_volumes", &overlaps, "femur"_a, "insert"_a, "poses"_a, "threads"_a,
+        "Volume (n,) [m^3], centroid (n, 3) [m] and status of the overlap at poses (n, 6).");
+}
+
 }  // namespace
 
 void bind_geometry(nb::module_& m) {
@@ -125,6 +158,7 @@ void bind_geometry(nb::module_& m) {
         "SHA-256 of counts, vertices and faces, 64 hex digits.");
   bind_report(m);
   bind_repair(m);
+  bind_overlap(m);
   nb::class_<SignedDistance>(m, "SignedDistance",
                              "Exact signed distance to a surface, negative inside.")
       .def(nb::init<const TriangleMesh&>(), "mesh"_a, nb::call_guard<nb::gil_scoped_release>())

@@ -7,9 +7,11 @@ namespace condyle::bindings {
 void bind_common(nb::module_& m);
 void bind_contact_model(nb::module_& m);
 void bind_geometry(nb::module_& m);
+void bind_contact_law(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_surrogate(nb::module_& m);
 void bind_fdk(nb::module_& m);
+void bind_seating(nb::module_& m);
 void bind_io(nb::module_& m);
 }  // namespace condyle::bindings
 
@@ -28,8 +30,10 @@ NB_MODULE(_core, m) {
   bind_common(common);
   bind_contact_model(contact);
   bind_geometry(geometry);
+  bind_contact_law(contact);
   bind_contact(contact);
   bind_surrogate(surrogate);
   bind_fdk(fdk);
+  bind_seating(fdk);
   bind_io(io);
 }

@@ -78,6 +78,7 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
       .add_option("--evaluation", options.evaluation, "exact (triangles) or fast (smooth field)")
       ->group(meshes)
       ->capture_default_str();
+  add_law_options(command, options.law, "Contact law");
   command.add_option("--surrogate", options.surrogate, "Surrogate file (.onnx), instead of meshes")
       ->group("Implant as surrogate");
 }
@@ -90,6 +91,7 @@ std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& op
   const geometry::LengthUnit unit = geometry::length_unit_from_name(options.units);
   contact::MeshContactSettings settings;
   settings.evaluation = contact::evaluation_from_name(options.evaluation);
+  const contact::ContactLaw law = read_law(options.law);
 
   const geometry::TriangleMesh femur = read(options.femur, unit);
   const contact::InsertMeshes insert = read_insert(options, unit, side);
@@ -100,8 +102,7 @@ std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& op
   check_naming(insert_files, [&] { contact::require_insert(insert, side); });
   check_naming(options.femur + ", " + insert_files,
                [&] { contact::require_unswapped(femur, insert); });
-  return std::make_unique<contact::MeshContact>(femur, insert, side, contact::ContactLaw{},
-                                                settings);
+  return std::make_unique<contact::MeshContact>(femur, insert, side, law, settings);
 }
 
 double insert_width(const contact::MeshContact& contact) {
@@ -125,6 +126,10 @@ void require_no_meshes(const ImplantOptions& options) {
     if (value->empty()) continue;
     throw std::invalid_argument(std::string(option) +
                                 " does not go with --surrogate, whose file knows its implant");
+  }
+  if (const auto option = first_given(options.law)) {
+    throw std::invalid_argument(*option +
+                                " does not go with --surrogate, whose file knows its law");
   }
 }
 

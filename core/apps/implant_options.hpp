@@ -8,6 +8,7 @@
 
 #include "condyle/contact/contact_model.hpp"
 #include "condyle/contact/mesh_contact.hpp"
+#include "law_options.hpp"
 
 namespace condyle::apps {
 
@@ -20,11 +21,12 @@ struct ImplantOptions {
   std::string side_of_body;
   std::string units;
   std::string evaluation;
+  LawOptions law;
   std::string surrogate;
 };
 
-/// Adds --femur, --insert, --insert-medial, --insert-lateral, --side-of-body, --units, --evaluation
-/// and --surrogate.
+/// Adds --femur, --insert, --insert-medial, --insert-lateral, --side-of-body, --units,
+/// --evaluation, the options of a contact law, and --surrogate.
 /// @param evaluation the default of --evaluation.
 void add_implant_options(CLI::App& command, ImplantOptions& options, const char* evaluation);
 

@@ -5,8 +5,9 @@
 // The energy U = Σ A W(max(0, −s(q))), s the spline field at a centroid seen from the femur, is C1
 // in the pose; the wrench is its exact derivative, continuous and piecewise smooth; the stiffness
 // is the wrench's exact derivative, one-sided where a face enters contact. So the contact is
-// conservative to rounding, whatever the field's own error against the mesh. A pose is evaluated on
-// one thread, in a fixed order, without allocating.
+// conservative to rounding, whatever the field's own error against the mesh; the field is summed in
+// single precision (some 1e-7 of a face's depth), all else in double. A pose is evaluated on one
+// thread, in a fixed order, without allocating.
 //
 // Faces closest to the femur's open border are told from the field's flags, to half a spacing
 // (geometry/distance_field.hpp).

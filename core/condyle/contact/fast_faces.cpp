@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeaf = kLeafFaces;
 constexpr std::size_t kParent = kLeaf * kParentLeaves;
-static_assert(kLeafFaces % kGroup == 0);
+static_assert(kLeafFaces % kLargestGroup == 0);
 
 using Order = std::span<std::int32_t>;
 
@@ -73,7 +73,7 @@ SortedFaces::SortedFaces(const CompartmentFaces& faces) {
     area_.push_back(area);
   };
   for (const std::int32_t f : order) push(f, faces.areas[f]);
-  while (area_.size() % kGroup != 0) push(order.back(), 0.0);
+  while (area_.size() % kLargestGroup != 0) push(order.back(), 0.0);
 
   const FacesView view = this->faces();
   const std::size_t count = area_.size();
@@ -103,6 +103,9 @@ FieldView field_view(const geometry::DistanceField& field) {
   v.row = spline.nodes[0];
   v.plane = static_cast<std::int64_t>(spline.nodes[0]) * spline.nodes[1];
   v.inverse_spacing = 1.0 / spline.spacing;
+  // Half a cell's diagonal at a slope of 1.1, and half a spacing for what a coefficient differs from
+  // the distance by where that has a crease.
+  v.near = static_cast<float>((1.1 * 0.5 * std::sqrt(3.0) + 0.5) * spline.spacing);
   for (int a = 0; a < 3; ++a) {
     v.offset[a] = -spline.origin[a] * v.inverse_spacing;
     v.last[a] = std::nextafter(spline.nodes[static_cast<std::size_t>(a)] - 2.0, 0.0);

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spline field at four points at a time, for the fast contact's kernels. Included by kernel
+// The spline field at a batch of points, for the fast contact's kernels. Included by kernel
 // compilations only; everything is static (see fast_kernel_body.hpp).
 //
 // The four x-neighbours of a stencil are contiguous, so a point's 64 coefficients are 16 vector
-// loads, contracted over y and z in lanes along x; a 4×4 transpose then puts four points into the
-// lanes for the contraction over x.
+// loads, contracted over y and z in lanes along x, kSide points side by side; a transpose then puts
+// 2·kGroup points into the lanes for the contraction over x.
+//
+// Single precision, as the coefficients are: φ is then right to some 1e-7 of a millimetre, ∇φ to 1e-6,
+// a thousandth of what the field itself is wrong by, for half the work. Where a point lies in its
+// cell is found in double precision, unfused, and floats are fused everywhere, so that a point gives
+// the same bits with every instruction set.
 #pragma once
 
 #include "condyle/contact/fast_kernel.hpp"
@@ -19,126 +24,169 @@ namespace {
 constexpr int kBatch = 32;
 
 struct Points {
-  alignas(32) double q[3][kBatch];  ///< in F [m]
-  alignas(32) double t[3][kBatch];  ///< fractions in their cells
+  alignas(64) double q[3][kBatch];  ///< in F [m]
+  alignas(64) float t[3][kBatch];   ///< fractions in their cells
   std::int32_t base[kBatch];        ///< where their stencils begin
   int inside[kBatch / kGroup];  ///< bit l: the stencil fits in the grid; elsewhere the nearest cell
                                 ///< stands in
 };
 
-/// Fills t, base and inside from q. @param count multiple of kGroup.
+/// Points are evaluated two groups at a time.
+constexpr int kTwo = 2 * kGroup;
+CONDYLE_INLINE int whole_twos(int count) { return (count + kTwo - 1) / kTwo * kTwo; }
+
+/// Fills t, base and inside from q; an odd last group is doubled, so that twos are whole.
+/// @param count multiple of kGroup.
 CONDYLE_INLINE void locate(const FieldView& field, int count, Points& at) {
-  const v4 row = splat(static_cast<double>(field.row));
-  const v4 plane = splat(static_cast<double>(field.plane));
-  const v4 first = splat(static_cast<double>(1 + field.row + field.plane));
+  const vd row = splat(static_cast<double>(field.row));
+  const vd plane = splat(static_cast<double>(field.plane));
+  const vd first = splat(static_cast<double>(1 + field.row + field.plane));
   for (int n = 0; n < count; n += kGroup) {
-    v4 cell[3];
-    int inside = 15;
+    vd cell[3];
+    int inside = kAllLanes;
     for (int a = 0; a < 3; ++a) {
-      const v4 u = fma(load(at.q[a] + n), splat(field.inverse_spacing), splat(field.offset[a]));
-      const v4 held = smaller(larger(u, splat(1.0)), splat(field.last[a]));
+      const vd u = load(at.q[a] + n) * splat(field.inverse_spacing) + splat(field.offset[a]);
+      const vd held = smaller(larger(u, splat(1.0)), splat(field.last[a]));
       inside &= equal_lanes(u, held);
       cell[a] = truncated(held);
-      store(at.t[a] + n, held - cell[a]);
+      store_floats(at.t[a] + n, held - cell[a]);
     }
-    store_integers(at.base + n, fma(cell[2], plane, fma(cell[1], row, cell[0])) - first);
+    store_integers(at.base + n, (cell[2] * plane + cell[1] * row + cell[0]) - first);
     at.inside[n / kGroup] = inside;
+  }
+  if (count % kTwo == 0) return;
+  for (int l = 0; l < kGroup; ++l) {
+    at.base[count + l] = at.base[count - kGroup + l];
+    for (int a = 0; a < 3; ++a) at.t[a][count + l] = at.t[a][count - kGroup + l];
   }
 }
 
-CONDYLE_INLINE void value_weights(v4 t, v4 w[4]) {
-  const v4 s = splat(1.0) - t, k = splat(2.0 / 3.0), half = splat(0.5), sixth = splat(1.0 / 6.0);
-  const v4 tt = t * t, ss = s * s;
+/// Of the group of points from n on: bit l: φ may be below zero at point n + l, judged by the
+/// coefficient of the node nearest to it.
+CONDYLE_INLINE int near_lanes(const FieldView& field, const Points& at, int n) {
+  const vd row = splat(static_cast<double>(field.row));
+  const vd plane = splat(static_cast<double>(field.plane));
+  vd node[3];
+  for (int a = 0; a < 3; ++a) {
+    const vd u = load(at.q[a] + n) * splat(field.inverse_spacing) + splat(field.offset[a] + 0.5);
+    node[a] = truncated(smaller(larger(u, splat(1.0)), splat(field.last[a])));
+  }
+  std::int32_t index[kGroup];
+  store_integers(index, node[2] * plane + node[1] * row + node[0]);
+  int lanes = 0;
+  for (int l = 0; l < kGroup; ++l) lanes |= field.coefficients[index[l]] < field.near ? 1 << l : 0;
+  return lanes;
+}
+
+CONDYLE_INLINE void value_weights(vf t, vf w[4]) {
+  const vf s = splat(1.0f) - t, k = splat(2.0f / 3.0f), half = splat(0.5f);
+  const vf sixth = splat(1.0f / 6.0f), one = splat(1.0f), tt = t * t, ss = s * s;
   w[0] = ss * s * sixth;
-  w[1] = fma(tt, fms(half, t, splat(1.0)), k);
-  w[2] = fma(ss, fms(half, s, splat(1.0)), k);
+  w[1] = fma(tt, half * t - one, k);
+  w[2] = fma(ss, half * s - one, k);
   w[3] = tt * t * sixth;
 }
-CONDYLE_INLINE void slope_weights(v4 t, v4 w[4]) {
-  const v4 s = splat(1.0) - t, half = splat(0.5), two = splat(2.0), k = splat(1.5);
-  w[0] = splat(-0.5) * s * s;
-  w[1] = t * fms(k, t, two);
-  w[2] = s * fnma(k, s, two);
+CONDYLE_INLINE void slope_weights(vf t, vf w[4]) {
+  const vf s = splat(1.0f) - t, half = splat(0.5f), two = splat(2.0f), k = splat(1.5f);
+  w[0] = splat(-0.5f) * s * s;
+  w[1] = t * (k * t - two);
+  w[2] = s * (two - k * s);
   w[3] = half * t * t;
 }
-CONDYLE_INLINE void curvature_weights(v4 t, v4 w[4]) {
-  const v4 s = splat(1.0) - t, two = splat(2.0), three = splat(3.0);
+CONDYLE_INLINE void curvature_weights(vf t, vf w[4]) {
+  const vf s = splat(1.0f) - t, two = splat(2.0f), three = splat(3.0f);
   w[0] = s;
-  w[1] = fms(three, t, two);
-  w[2] = fms(three, s, two);
+  w[1] = three * t - two;
+  w[2] = three * s - two;
   w[3] = t;
 }
 
-/// Weights of a batch in memory: read back one at a time and spread over the lanes.
+/// Weights of a batch in memory: read back for kSide points at a time, each over its four lanes.
 struct Spread {
-  alignas(32) double w[4][kBatch];
-  CONDYLE_INLINE_MEMBER void put(int n, const v4 weights[4]) {
+  alignas(64) float w[4][kBatch];
+  CONDYLE_INLINE_MEMBER void put(int n, const vf weights[4]) {
     for (int i = 0; i < 4; ++i) store(w[i] + n, weights[i]);
   }
-  CONDYLE_INLINE_MEMBER v4 get(int weight, int point) const { return splat(w[weight][point]); }
+  CONDYLE_INLINE_MEMBER vf get(int weight, int point) const { return spread(w[weight] + point); }
 };
 
-/// Four points' lanes along x, as four vectors with a point in each lane.
-CONDYLE_INLINE void take(const double (*lanes)[4], v4 c[4]) {
-  for (int l = 0; l < 4; ++l) c[l] = load(lanes[l]);
+/// The lanes along x of two groups' points, as four vectors with a point in each lane.
+CONDYLE_INLINE void take(const float (*lanes)[4], vf c[4]) {
+  for (int l = 0; l < 4; ++l) {
+    const float* rows[kSide];
+    for (int i = 0; i < kSide; ++i) rows[i] = lanes[l + 4 * i];
+    c[l] = load_rows(rows, 0);
+  }
   transpose(c[0], c[1], c[2], c[3]);
 }
 
-CONDYLE_INLINE v4 contract(const v4 w[4], const v4 c[4]) {
+CONDYLE_INLINE vf contract(const vf w[4], const vf c[4]) {
   return fma(w[0], c[0], w[1] * c[1]) + fma(w[2], c[2], w[3] * c[3]);
+}
+
+CONDYLE_INLINE void store_doubles(double* p, vf a) {
+  store(p, low_doubles(a));
+  store(p + kGroup, high_doubles(a));
+}
+CONDYLE_INLINE void store_doubles(double* p, vf a, vd factor) {
+  store(p, low_doubles(a) * factor);
+  store(p + kGroup, high_doubles(a) * factor);
 }
 
 /// φ at located points. @param count multiple of kGroup. @param value kBatch [m].
 static void values(const FieldView& field, const Points& at, int count, double* value) {
   Spread y, z;
-  alignas(32) double lanes[kBatch][4];
-  v4 w[4];
-  for (int n = 0; n < count; n += kGroup) {
+  alignas(64) float lanes[kBatch][4];
+  vf w[4];
+  const int twos = whole_twos(count);
+  for (int n = 0; n < twos; n += kTwo) {
     value_weights(load(at.t[1] + n), w), y.put(n, w);
     value_weights(load(at.t[2] + n), w), z.put(n, w);
   }
-  for (int n = 0; n < count; ++n) {
-    const float* c = field.coefficients + at.base[n];
-    v4 total[2] = {splat(0.0), splat(0.0)};
+  for (int n = 0; n < twos; n += kSide) {
+    const float* c[kSide];
+    for (int i = 0; i < kSide; ++i) c[i] = field.coefficients + at.base[n + i];
+    vf plane[4];
 #pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) {
-      const float* r = c + k * field.plane;
-      const v4 low = fma(y.get(1, n), load(r + field.row), y.get(0, n) * load(r));
-      const v4 high =
-          fma(y.get(3, n), load(r + 3 * field.row), y.get(2, n) * load(r + 2 * field.row));
-      total[0] = fma(z.get(k, n), low, total[0]);
-      total[1] = fma(z.get(k, n), high, total[1]);
+    for (int j = 0; j < 4; ++j) {
+      const vf weight = y.get(j, n);
+#pragma GCC unroll 4
+      for (int k = 0; k < 4; ++k) {
+        const vf r = load_rows(c, k * field.plane + j * field.row);
+        plane[k] = j == 0 ? weight * r : fma(weight, r, plane[k]);
+      }
     }
-    store(lanes[n], total[0] + total[1]);
+    store(lanes[n], fma(z.get(0, n), plane[0], z.get(1, n) * plane[1]) +
+                        fma(z.get(2, n), plane[2], z.get(3, n) * plane[3]));
   }
-  for (int n = 0; n < count; n += kGroup) {
-    v4 c[4];
+  for (int n = 0; n < twos; n += kTwo) {
+    vf c[4];
     take(lanes + n, c);
     value_weights(load(at.t[0] + n), w);
-    store(value + n, contract(w, c));
+    store_doubles(value + n, contract(w, c));
   }
 }
 
 /// A field's value and derivatives at a batch of points.
 struct FieldBatch {
-  alignas(32) double value[kBatch], gradient[3][kBatch];
-  alignas(32) double hessian[6][kBatch];  ///< xx, yy, zz, xy, xz, yz; only with kHessian
+  alignas(64) double value[kBatch], gradient[3][kBatch];
+  alignas(64) double hessian[6][kBatch];  ///< xx, yy, zz, xy, xz, yz; only with kHessian
 };
 
 /// Where the contraction over y and z leaves a batch: lanes along x; the digits say how often
 /// differentiated along y and z.
 struct Contracted {
-  alignas(32) double c00[kBatch][4], c10[kBatch][4], c01[kBatch][4], c20[kBatch][4], c02[kBatch][4],
+  alignas(64) float c00[kBatch][4], c10[kBatch][4], c01[kBatch][4], c20[kBatch][4], c02[kBatch][4],
       c11[kBatch][4];
 };
 
 template <bool kHessian>
-CONDYLE_INLINE void contract_yz(const FieldView& field, const Points& at, int count,
+CONDYLE_INLINE void contract_yz(const FieldView& field, const Points& at, int twos,
                                 Contracted& out) {
   Spread y0, y1, y2, z0, z1, z2;
-  for (int n = 0; n < count; n += kGroup) {
-    const v4 ty = load(at.t[1] + n), tz = load(at.t[2] + n);
-    v4 w[4];
+  for (int n = 0; n < twos; n += kTwo) {
+    const vf ty = load(at.t[1] + n), tz = load(at.t[2] + n);
+    vf w[4];
     value_weights(ty, w), y0.put(n, w);
     slope_weights(ty, w), y1.put(n, w);
     value_weights(tz, w), z0.put(n, w);
@@ -148,31 +196,32 @@ CONDYLE_INLINE void contract_yz(const FieldView& field, const Points& at, int co
       curvature_weights(tz, w), z2.put(n, w);
     }
   }
-  for (int n = 0; n < count; ++n) {
-    const float* c = field.coefficients + at.base[n];
+  for (int n = 0; n < twos; n += kSide) {
+    const float* c[kSide];
+    for (int i = 0; i < kSide; ++i) c[i] = field.coefficients + at.base[n + i];
     // Over y first, four planes at a time: twelve sums, three weights and a row are the sixteen
     // registers of AVX2.
-    v4 a0[4], a1[4], a2[4];
+    vf a0[4], a1[4], a2[4];
 #pragma GCC unroll 4
     for (int j = 0; j < 4; ++j) {
-      const v4 w0 = y0.get(j, n), w1 = y1.get(j, n);
-      const v4 w2 = kHessian ? y2.get(j, n) : splat(0.0);
+      const vf w0 = y0.get(j, n), w1 = y1.get(j, n);
+      const vf w2 = kHessian ? y2.get(j, n) : splat(0.0f);
 #pragma GCC unroll 4
       for (int k = 0; k < 4; ++k) {
-        const v4 r = load(c + k * field.plane + j * field.row);
+        const vf r = load_rows(c, k * field.plane + j * field.row);
         a0[k] = j == 0 ? w0 * r : fma(w0, r, a0[k]);
         a1[k] = j == 0 ? w1 * r : fma(w1, r, a1[k]);
         if constexpr (kHessian) a2[k] = j == 0 ? w2 * r : fma(w2, r, a2[k]);
       }
     }
-    v4 s00 = z0.get(0, n) * a0[0], s10 = z0.get(0, n) * a1[0], s01 = z1.get(0, n) * a0[0];
-    v4 s20 = splat(0.0), s02 = s20, s11 = s20;
+    vf s00 = z0.get(0, n) * a0[0], s10 = z0.get(0, n) * a1[0], s01 = z1.get(0, n) * a0[0];
+    vf s20 = splat(0.0f), s02 = s20, s11 = s20;
     if constexpr (kHessian) {
       s20 = z0.get(0, n) * a2[0], s02 = z2.get(0, n) * a0[0], s11 = z1.get(0, n) * a1[0];
     }
 #pragma GCC unroll 3
     for (int k = 1; k < 4; ++k) {
-      const v4 w0 = z0.get(k, n), w1 = z1.get(k, n);
+      const vf w0 = z0.get(k, n), w1 = z1.get(k, n);
       s00 = fma(w0, a0[k], s00);
       s10 = fma(w0, a1[k], s10);
       s01 = fma(w1, a0[k], s01);
@@ -193,32 +242,33 @@ CONDYLE_INLINE void contract_yz(const FieldView& field, const Points& at, int co
 template <bool kHessian>
 CONDYLE_INLINE void derivatives(const FieldView& field, const Points& at, int count,
                                 FieldBatch& out) {
+  const int twos = whole_twos(count);
   Contracted yz;
-  contract_yz<kHessian>(field, at, count, yz);
-  const v4 g = splat(field.inverse_spacing), h = g * g;
-  for (int n = 0; n < count; n += kGroup) {
-    const v4 t = load(at.t[0] + n);
-    v4 x0[4], x1[4], x2[4], c[4];
+  contract_yz<kHessian>(field, at, twos, yz);
+  const vd g = splat(field.inverse_spacing), h = g * g;
+  for (int n = 0; n < twos; n += kTwo) {
+    const vf t = load(at.t[0] + n);
+    vf x0[4], x1[4], x2[4], c[4];
     value_weights(t, x0);
     slope_weights(t, x1);
     if constexpr (kHessian) curvature_weights(t, x2);
     take(yz.c00 + n, c);
-    store(out.value + n, contract(x0, c));
-    store(out.gradient[0] + n, contract(x1, c) * g);
-    if constexpr (kHessian) store(out.hessian[0] + n, contract(x2, c) * h);
+    store_doubles(out.value + n, contract(x0, c));
+    store_doubles(out.gradient[0] + n, contract(x1, c), g);
+    if constexpr (kHessian) store_doubles(out.hessian[0] + n, contract(x2, c), h);
     take(yz.c10 + n, c);
-    store(out.gradient[1] + n, contract(x0, c) * g);
-    if constexpr (kHessian) store(out.hessian[3] + n, contract(x1, c) * h);
+    store_doubles(out.gradient[1] + n, contract(x0, c), g);
+    if constexpr (kHessian) store_doubles(out.hessian[3] + n, contract(x1, c), h);
     take(yz.c01 + n, c);
-    store(out.gradient[2] + n, contract(x0, c) * g);
+    store_doubles(out.gradient[2] + n, contract(x0, c), g);
     if constexpr (kHessian) {
-      store(out.hessian[4] + n, contract(x1, c) * h);
+      store_doubles(out.hessian[4] + n, contract(x1, c), h);
       take(yz.c20 + n, c);
-      store(out.hessian[1] + n, contract(x0, c) * h);
+      store_doubles(out.hessian[1] + n, contract(x0, c), h);
       take(yz.c02 + n, c);
-      store(out.hessian[2] + n, contract(x0, c) * h);
+      store_doubles(out.hessian[2] + n, contract(x0, c), h);
       take(yz.c11 + n, c);
-      store(out.hessian[5] + n, contract(x0, c) * h);
+      store_doubles(out.hessian[5] + n, contract(x0, c), h);
     }
   }
 }

@@ -21,10 +21,10 @@
 
 namespace condyle::contact::fast {
 
-/// Faces are treated in groups of four lanes; a leaf is the smallest run that is culled as a whole,
-/// a parent a run of leaves. Sizes chosen by measurement (tests/benchmarks): smaller leaves cull
-/// tighter but test more balls.
-inline constexpr int kGroup = 4;
+/// Faces are treated in groups of as many as an instruction set has lanes: four or eight. A leaf is
+/// the smallest run that is culled as a whole, a parent a run of leaves. Sizes chosen by measurement
+/// (tests/benchmarks): smaller leaves cull tighter but test more balls.
+inline constexpr int kLargestGroup = 8;
 inline constexpr int kLeafFaces = 16;
 inline constexpr int kParentLeaves = 8;
 
@@ -37,6 +37,7 @@ struct FieldView {
   double inverse_spacing;   ///< [1/m]
   double offset[3];         ///< u = q·inverse_spacing + offset, in nodes
   double last[3];           ///< a point is in the grid where 1 <= u <= last
+  float near;  ///< a coefficient at least this large has no point of φ < 0 nearest to its node [m]
 };
 
 /// Sorted faces, structure of arrays; padding faces have no area.
@@ -56,7 +57,7 @@ struct Cluster {
 /// i·kParentLeaves on.
 struct ClustersView {
   const Cluster *parents, *leaves;
-  std::int32_t parent_count, leaf_count, face_count;  ///< face_count a multiple of kGroup
+  std::int32_t parent_count, leaf_count, face_count;  ///< face_count a multiple of kLargestGroup
 };
 
 /// Pressure law in a kernel: linear (p = K d) if `batch` is null, else whatever `batch` computes

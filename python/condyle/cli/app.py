@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import condyle
-from condyle.cli import contact, implant, stages, surrogate
+from condyle.cli import contact, contact_map, implant, stages, surrogate
 from condyle.cli.console import errors
 from condyle.errors import CondyleError
 
@@ -20,6 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
+contact_map.add_to(contact.app)
 app.add_typer(contact.app, name="contact")
 app.add_typer(implant.app, name="implant")
 app.add_typer(surrogate.app, name="surrogate")

@@ -6,14 +6,11 @@ from typing import Annotated, Literal
 
 import typer
 
+from condyle.cli import law_options, overlap_options
 from condyle.cli.console import console
+from condyle.errors import InputDataError
 
 app = typer.Typer(help="The contact between two meshes.", no_args_is_help=True)
-
-
-@app.callback()
-def _contact() -> None:
-    """Keeps ``eval`` a subcommand although it is the only one."""
 
 
 @app.command(name="eval")
@@ -33,13 +30,39 @@ def evaluate(
         Literal["exact", "fast"],
         typer.Option(help="Triangles themselves, or a smooth field of them."),
     ] = "exact",
-    pressure_modulus: Annotated[float, typer.Option(help="K in p = K·d [N/m³].")] = 9.3e9,
+    law: law_options.Law = "linear_volume",
+    modulus: law_options.Modulus = None,
+    youngs_modulus_mpa: law_options.YoungsModulus = None,
+    poissons_ratio: law_options.PoissonsRatio = None,
+    thickness_mm: law_options.Thickness = None,
+    coefficient: law_options.Coefficient = None,
+    exponent: law_options.Exponent = None,
+    law_table: law_options.LawTable = None,
+    volume: Annotated[
+        Literal["law", "boolean"],
+        typer.Option(help="boolean: also the exact overlap volume of closed solids, as a check."),
+    ] = "law",
+    femur_solid: Annotated[
+        Path | None, typer.Option(help="boolean: closed femoral component, if --femur is open.")
+    ] = None,
+    insert_solid_medial: Annotated[
+        Path | None, typer.Option(help="boolean: closed solid, if --insert-medial is open.")
+    ] = None,
+    insert_solid_lateral: Annotated[
+        Path | None, typer.Option(help="boolean: closed solid, if --insert-lateral is open.")
+    ] = None,
     threads: Annotated[int, typer.Option(min=0, help="Threads; 0 for all cores.")] = 0,
 ) -> None:
     """Evaluates the reference contact at every pose of a table."""
     from condyle.contact import MeshContact, evaluate_table, read_poses, write_table
 
     table = read_poses(poses)
+    solids = overlap_options.read_solids(
+        volume,
+        units,
+        surfaces=(femur, insert_medial, insert_lateral),
+        solids=(femur_solid, insert_solid_medial, insert_solid_lateral),
+    )
     model = MeshContact.from_files(
         femur=femur,
         insert=insert,
@@ -48,8 +71,52 @@ def evaluate(
         units=units,
         side_of_body=side_of_body,
         evaluation=evaluation,
-        pressure_modulus=pressure_modulus,
+        law=law_options.read_law(
+            law,
+            modulus=modulus,
+            youngs_modulus_mpa=youngs_modulus_mpa,
+            poissons_ratio=poissons_ratio,
+            thickness_mm=thickness_mm,
+            coefficient=coefficient,
+            exponent=exponent,
+            law_table=law_table,
+        ),
     )
     columns = evaluate_table(model, table, threads=threads)
+    if solids is not None:
+        columns = overlap_options.add_volumes(columns, solids, threads)
     write_table(out, columns)
     console.print(f"{out}: {len(table)} poses", highlight=False)
+
+
+@app.command(name="modulus")
+def convert_modulus(
+    poissons_ratio: Annotated[float, typer.Option(help="Of the layer.")],
+    thickness_mm: Annotated[float, typer.Option(help="Of the layer.")],
+    youngs_modulus_mpa: Annotated[
+        float | None, typer.Option(help="Young's modulus of the layer: prints its modulus K.")
+    ] = None,
+    modulus: Annotated[
+        float | None,
+        typer.Option(help="Pressure modulus K [N/m³]: prints the layer's Young's modulus."),
+    ] = None,
+) -> None:
+    """Converts between a thin elastic layer and a pressure modulus, K = M/h.
+
+    The usual 9.3e9 N/m³ was fitted for forces and kinematics, not for pressures.
+    """
+    from condyle.contact import pressure_modulus, youngs_modulus
+
+    if (youngs_modulus_mpa is None) == (modulus is None):
+        raise InputDataError("give either --youngs-modulus-mpa or --modulus")
+    thickness = 1e-3 * thickness_mm
+    if youngs_modulus_mpa is not None:
+        found = pressure_modulus(
+            youngs_modulus=1e6 * youngs_modulus_mpa,
+            poissons_ratio=poissons_ratio,
+            thickness=thickness,
+        )
+        console.print(f"pressure modulus {found:.6g} N/m³", highlight=False)
+    elif modulus is not None:
+        found = youngs_modulus(modulus=modulus, poissons_ratio=poissons_ratio, thickness=thickness)
+        console.print(f"Young's modulus {1e-6 * found:.6g} MPa", highlight=False)

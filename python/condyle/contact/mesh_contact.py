@@ -12,16 +12,20 @@ from condyle._core import contact as _contact
 from condyle._core.common import side_of_body as _side_of_body
 from condyle._core.geometry import Mesh, content_hash
 from condyle.contact.implant_files import read_implant
+from condyle.contact.laws import ContactLaw, LinearVolumeLaw
 from condyle.contact.mesh_files import MeshFile, Units
 from condyle.conventions import SideOfBody
 
 EvaluationName = Literal["exact", "fast"]
 
+#: K = 9.3e9 N/m³ (Marra et al. 2015), for forces and kinematics.
+_DEFAULT_LAW = LinearVolumeLaw()
+
 
 class MeshContact(_contact.MeshContact):
     """Frictionless elastic contact between a femoral component and an insert's two compartments.
 
-    Energy U = Σ A·K·d²/2 over the insert's faces, d the depth of a face's centroid below the femoral
+    Energy U = Σ A·W(d) over the insert's faces, d the depth of a face's centroid below the femoral
     surface; loads are its derivatives. Quasi-static; the bodies are rigid under their surface layer.
 
     Args:
@@ -29,7 +33,7 @@ class MeshContact(_contact.MeshContact):
         insert_medial: medial compartment in the tibial frame, normals out of the insert (up).
         insert_lateral: lateral compartment.
         side_of_body: which knee it is.
-        pressure_modulus: K [N/m³]; the core's default (Marra et al. 2017) if not given.
+        law: W(d), see :mod:`condyle.contact.laws`; by default p = K·d with K = 9.3e9 N/m³ (Marra et al. 2015).
         evaluation: "exact", distances to the triangles themselves, or "fast", through a smooth field of them.
         plausible_depth: depth beyond which an overlap is flagged [m]; the core's default (2 mm) if not given.
         cache_directory: where "fast" keeps its distance field between runs.
@@ -45,14 +49,11 @@ class MeshContact(_contact.MeshContact):
         insert_lateral: Mesh,
         side_of_body: SideOfBody,
         *,
-        pressure_modulus: float | None = None,
+        law: ContactLaw = _DEFAULT_LAW,
         evaluation: EvaluationName = "exact",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
     ) -> None:
-        law = _contact.LinearVolumeLaw()
-        if pressure_modulus is not None:
-            law.modulus = pressure_modulus
         settings = _contact.MeshContactSettings()
         settings.evaluation = _contact.evaluation(evaluation)
         if plausible_depth is not None:
@@ -60,7 +61,7 @@ class MeshContact(_contact.MeshContact):
         if cache_directory is not None:
             settings.cache_directory = Path(cache_directory)
         side = _side_of_body(side_of_body)
-        super().__init__(femur, insert_medial, insert_lateral, side, law, settings)
+        super().__init__(femur, insert_medial, insert_lateral, side, law.core, settings)
 
     @classmethod
     def from_files(
@@ -72,7 +73,7 @@ class MeshContact(_contact.MeshContact):
         insert_lateral: MeshFile | None = None,
         units: Units,
         side_of_body: SideOfBody,
-        pressure_modulus: float | None = None,
+        law: ContactLaw = _DEFAULT_LAW,
         evaluation: EvaluationName = "exact",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
@@ -95,7 +96,7 @@ class MeshContact(_contact.MeshContact):
             implant["insert_medial"],
             implant["insert_lateral"],
             side_of_body,
-            pressure_modulus=pressure_modulus,
+            law=law,
             evaluation=evaluation,
             plausible_depth=plausible_depth,
             cache_directory=cache_directory,

@@ -3,9 +3,10 @@
 
 :func:`solve_static_equilibria` finds, for prescribed {x, z, θy, θz} and contact loads {Fy, Mx}, the
 pose that carries them: what sampling needs. :func:`simulate_knee` runs a load case through the knee
-simulator: flexion driven, the five other coordinates found from equilibrium at each time frame. Both
-take any contact model (reference, surrogate, hybrid) and assume it frictionless and quasi-static.
-Numerics that do not work out are a status, never an exception.
+simulator: flexion driven, the five other coordinates found from equilibrium at each time frame.
+:func:`seated_pose` and :func:`first_touch` say where contact begins. All take any contact model (reference,
+surrogate, hybrid) and assume it frictionless and quasi-static. Numerics that do not work out are a status,
+never an exception.
 """
 
 from condyle._core.fdk import (
@@ -16,12 +17,14 @@ from condyle._core.fdk import (
     Ligament,
     NewtonSettings,
     RestraintSprings,
+    SeatingSettings,
     SettleSettings,
     StaticEquilibriumSettings,
     TouchSearch,
 )
 from condyle.fdk.knee_simulator import KneeSimulation, settled_pose, simulate_knee
 from condyle.fdk.ligaments import default_ligaments
+from condyle.fdk.seating import Seat, first_touch, load_seated, seated_pose
 from condyle.fdk.static_equilibrium import StaticEquilibria, solve_static_equilibria
 
 __all__ = [
@@ -33,11 +36,16 @@ __all__ = [
     "Ligament",
     "NewtonSettings",
     "RestraintSprings",
+    "Seat",
+    "SeatingSettings",
     "SettleSettings",
     "StaticEquilibria",
     "StaticEquilibriumSettings",
     "TouchSearch",
     "default_ligaments",
+    "first_touch",
+    "load_seated",
+    "seated_pose",
     "settled_pose",
     "simulate_knee",
     "solve_static_equilibria",

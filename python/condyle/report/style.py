@@ -46,9 +46,14 @@ def house_style() -> Iterator[None]:
         yield
 
 
-def save(figure: Figure, file: Path) -> Path:
-    """Saves a figure as PNG, whole or not at all, without a date in it."""
+def save(figure: Figure, file: Path, dpi: float | None = None) -> Path:
+    """Saves a figure as PNG, whole or not at all, without a date in it; ``dpi`` instead of the house's."""
     image = io.BytesIO()
-    figure.savefig(image, format="png", metadata={"Software": None})
+    figure.savefig(
+        image,
+        format="png",
+        dpi=dpi or matplotlib.rcParams["savefig.dpi"],
+        metadata={"Software": None},
+    )
     write_whole(file, image.getvalue())
     return file

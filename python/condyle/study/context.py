@@ -14,7 +14,7 @@ from condyle.study.schema import Study
 
 if TYPE_CHECKING:
     from condyle.activities import LoadCase
-    from condyle.contact import MeshContact
+    from condyle.contact import ContactLaw, MeshContact
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,15 @@ class StudyContext:
     @cached_property
     def reference(self) -> MeshContact:
         """The reference contact of the run's own implant files."""
+        return self._mesh_contact(self.study.contact.law.make())
+
+    @cached_property
+    def pressure_contact(self) -> MeshContact:
+        """The contact for pressure maps: under ``pressure_law`` if the study names one, else the reference."""
+        law = self.study.contact.pressure_law
+        return self.reference if law is None else self._mesh_contact(law.make())
+
+    def _mesh_contact(self, law: ContactLaw) -> MeshContact:
         from condyle.contact import MeshContact
 
         contact = self.study.contact
@@ -45,7 +54,7 @@ class StudyContext:
             insert_lateral=self.directory.implant / "insert_lateral.stl",
             units="m",
             side_of_body=self.study.implant.side_of_body,
-            pressure_modulus=contact.pressure_modulus,
+            law=law,
             evaluation=contact.evaluation,
             plausible_depth=1e-3 * contact.plausible_depth_mm,
             cache_directory=self.directory.cache,
@@ -86,8 +95,7 @@ class StudyContext:
                 if name.endswith(".stl")
             },
             "contact_law": {
-                "name": "linear volume",
-                "pressure_modulus": self.study.contact.pressure_modulus,
+                **self.study.contact.law.make().describe(),
                 "evaluation": self.study.contact.evaluation,
                 "plausible_depth": 1e-3 * self.study.contact.plausible_depth_mm,
             },

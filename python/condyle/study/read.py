@@ -8,9 +8,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from condyle.errors import InputDataError
+from condyle.study.law_sections import LAW_SECTIONS
 from condyle.study.schema import Study
 
 _PATHS = ("femur", "insert", "insert_medial", "insert_lateral")
+_LAWS = ("law", "pressure_law")
 
 
 def read_study(file: Path | str) -> Study:
@@ -43,6 +45,11 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
         for key in _PATHS:
             if isinstance(implant.get(key), str):
                 implant[key] = str(folder / implant[key])
+    contact = content.get("contact")
+    for key in _LAWS:
+        law = contact.get(key) if isinstance(contact, dict) else None
+        if isinstance(law, dict) and isinstance(law.get("file"), str):
+            law["file"] = str(folder / law["file"])
     activities = content.get("activities")
     if isinstance(activities, list):
         content["activities"] = [
@@ -51,18 +58,31 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
 
 
 def _describe(error: Any) -> str:
-    key = ".".join(str(part) for part in error["loc"])
-    if error["type"] == "extra_forbidden":
-        return f"{key}: unknown key (value {error['input']!r}); known: {', '.join(_known(error['loc']))}"
-    if error["type"] == "value_error":
+    kind, value = error["type"], error["input"]
+    key = ".".join(str(part) for part in _written(error["loc"]))
+    if kind == "extra_forbidden":
+        return f"{key}: unknown key (value {value!r}); known: {', '.join(_known(error['loc']))}"
+    if kind == "value_error":
         message = str(error["ctx"]["error"])
         return f"{key}: {message}" if key else message
-    return f"{key} = {error['input']!r}: {error['msg'][0].lower()}{error['msg'][1:]}"
+    if kind == "missing":
+        return f"{key}: is missing"
+    if kind == "union_tag_not_found":
+        return f"{key}.kind: is missing: must be one of {', '.join(LAW_SECTIONS)}"
+    if kind == "union_tag_invalid":
+        return f"{key}.kind = {value['kind']!r}: must be one of {', '.join(LAW_SECTIONS)}"
+    return f"{key} = {value!r}: {error['msg'][0].lower()}{error['msg'][1:]}"
+
+
+def _written(location: tuple[Any, ...]) -> list[Any]:
+    """The keys as the file has them: pydantic puts a law's kind into the path to its parameters."""
+    before = (None, *location)
+    return [part for part, last in zip(location, before, strict=False) if last not in _LAWS]
 
 
 def _known(location: tuple[Any, ...]) -> list[str]:
     model: Any = Study
     for part in location[:-1]:
         field = getattr(model, "model_fields", {}).get(part)
-        model = field.annotation if field is not None else None
+        model = LAW_SECTIONS.get(part) if field is None else field.annotation
     return sorted(getattr(model, "model_fields", {}))

@@ -8,16 +8,12 @@ study file.
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+from condyle.study.law_sections import LawSection, LinearVolumeSection
+from condyle.study.section import Positive, Section
+
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
-
-
-class Section(BaseModel):
-    """A table of the study file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class ImplantSection(Section):
@@ -64,12 +60,15 @@ class ContactSection(Section):
     """The contact law and how it is evaluated.
 
     Attributes:
-        pressure_modulus: K in p = K·d [N/m³]; 9.3e9 serves forces and kinematics (Marra et al. 2015), not pressure.
+        law: which law and its parameters, see :mod:`condyle.study.law_sections`; the default serves forces and
+            kinematics, not pressure.
+        pressure_law: the law for pressure maps alone, at the loads that ``law`` gives; ``law`` itself if not given.
         evaluation: ``fast`` (smooth distance field) or ``exact`` (the triangles themselves).
         plausible_depth_mm: overlaps deeper than this are flagged, and rejected by sampling.
     """
 
-    pressure_modulus: Positive = 9.3e9
+    law: LawSection = LinearVolumeSection()
+    pressure_law: LawSection | None = None
     evaluation: Literal["fast", "exact"] = "fast"
     plausible_depth_mm: Annotated[float, Field(gt=0, le=10)] = 2.0
 
@@ -106,7 +105,7 @@ class SamplingSection(Section):
     preset: Literal["quick", "standard"] = "quick"
     targets: dict[
         Literal["2", "4"], dict[Literal["train", "test"], Annotated[int, Field(ge=1)]]
-    ] = {}
+    ] = Field(default_factory=dict)
     seed: Seed = 2017
     margin_x_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
     margin_z_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
@@ -159,5 +158,13 @@ class Study(Section):
         return self
 
     def canonical(self, *sections: str) -> dict[str, Any]:
-        """The values of some sections as plain JSON data, for hashing."""
-        return self.model_dump(mode="json", include=set(sections))
+        """The values of some sections as plain JSON data, for hashing.
+
+        A contact law stands there by its parameters, so that a table counts by its points and not by its file's name;
+        ``pressure_law``, on which nothing but the report depends, is left out.
+        """
+        values = self.model_dump(mode="json", include=set(sections))
+        if "contact" in values:
+            del values["contact"]["pressure_law"]
+            values["contact"]["law"] = self.contact.law.make().describe()
+        return values

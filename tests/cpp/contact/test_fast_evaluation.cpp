@@ -74,24 +74,35 @@ Vector6 force(const FaceEvaluation& contact, const Pose& pose) {
                                      contact.evaluate(pose, kLateral, Derivatives::kNone).wrench);
 }
 
-TEST_CASE(
-    "[oracle] culling, sorting and vectors change nothing: the plain sum over faces, every "
-    "instruction set") {
+TEST_CASE("[oracle] culling, sorting and vectors change nothing: the plain sum over faces") {
   const ContactLaw law(LinearVolumeLaw{7.7e9});
-  for (const InstructionSet set :
-       {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+  const auto fast = make_fast_evaluation(pair().field, pair().compartments, law);
+  test::Draw draw(42);
+  for (int n = 0; n < 20; ++n) {
+    const Pose pose = nearby(draw);
+    for (const Side side : {kMedial, kLateral}) {
+      const SideLoads expected = plain(pair(), pose, side, law);
+      REQUIRE(expected.area > 1e-5);
+      // The kernel contracts the field in single precision: 6e-8 of the coefficients' 2 mm at a
+      // depth of 1 mm, over 1e-1 mm for the curvature's share of the stiffness.
+      check_close(fast->evaluate(pose, side, Derivatives::kStiffness), expected, 2e-6);
+    }
+  }
+}
+
+TEST_CASE("[oracle] every instruction set gives the same to 1e-12") {
+  const auto baseline = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{},
+                                             InstructionSet::kBaseline);
+  for (const InstructionSet set : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
     if (set > best_instruction_set()) continue;
     CAPTURE(name(set));
-    const auto fast = make_fast_evaluation(pair().field, pair().compartments, law, set);
+    const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{}, set);
     test::Draw draw(42);
     for (int n = 0; n < 20; ++n) {
       const Pose pose = nearby(draw);
       for (const Side side : {kMedial, kLateral}) {
-        const SideLoads expected = plain(pair(), pose, side, law);
-        REQUIRE(expected.area > 1e-5);
-        // Rounding only: about 1 000 terms of one sign, 1e-16 each, arms up to 40 times the
-        // stiffness's lever.
-        check_close(fast->evaluate(pose, side, Derivatives::kStiffness), expected, 1e-12);
+        check_close(fast->evaluate(pose, side, Derivatives::kStiffness),
+                    baseline->evaluate(pose, side, Derivatives::kStiffness), 1e-12);
       }
     }
   }
@@ -116,13 +127,14 @@ TEST_CASE("[derivative] the generalised force is minus the energy's slope") {
     const Pose pose = nearby(draw);
     const Vector6 Q = force(*fast, pose);
     for (int j = 0; j < 6; ++j) {
-      const double step = j < 3 ? 1e-7 : 1e-5;
+      const double step = j < 3 ? 1e-6 : 1e-4;
       Pose up = pose, down = pose;
       up[j] += step, down[j] -= step;
       const double slope = (energy(*fast, up) - energy(*fast, down)) / (2.0 * step);
-      // A face whose d changes sign within the step errs by at most A K step ≈ 3e-4 N, several may;
-      // rounding 1e-16 × 0.5 J / step. Against forces of 1e3 N, moments of 10 Nm.
-      CHECK(std::abs(slope + Q[j]) < (j < 3 ? 5e-3 : 5e-4));
+      // A face whose d changes sign within the step errs by at most A K step ≈ 3e-3 N, several may;
+      // single precision 2e-7 a face, over 1 000 of them, of 0.5 J / step. Against forces of 1e3 N,
+      // moments of 10 Nm.
+      CHECK(std::abs(slope + Q[j]) < (j < 3 ? 2e-2 : 5e-4));
       CHECK(std::abs(Q[j]) > 1e-2);
     }
   }
@@ -137,7 +149,7 @@ TEST_CASE("[derivative] the stiffness is the wrench's slope where no face enters
     for (const Side side : {kMedial, kLateral}) {
       const SideLoads at = fast->evaluate(pose, side, Derivatives::kStiffness);
       for (int j = 0; j < 6; ++j) {
-        const double step = j < 3 ? 2e-8 : 1e-6;
+        const double step = j < 3 ? 4e-7 : 2e-5;
         Pose up = pose, down = pose;
         up[j] += step, down[j] -= step;
         const SideLoads above = fast->evaluate(up, side, Derivatives::kNone);
@@ -145,9 +157,9 @@ TEST_CASE("[derivative] the stiffness is the wrench's slope where no face enters
         if (above.area != at.area || below.area != at.area) continue;
         ++compared;
         const Wrench slope = (above.wrench - below.wrench) / (2.0 * step);
-        // Rounding: 1e-16 × 2e3 N / 2e-8 m = 1e-5 N/m of 1e6; third derivatives of the spline jump
-        // at cell walls.
-        CHECK((slope - at.stiffness.col(j)).norm() < 3e-6 * at.stiffness.col(j).norm() + 1e-2);
+        // Single precision: 2e-7 a face, over 1 000 of them, of 2e3 N in a step of 4e-7 m is 3e1 N/m
+        // of 1e6; that the stiffness itself is right to 2e-6 is checked above.
+        CHECK((slope - at.stiffness.col(j)).norm() < 1e-3 * at.stiffness.col(j).norm());
         CHECK(slope.norm() > 0.0);
       }
     }
@@ -238,12 +250,12 @@ TEST_CASE("[property] pressures face by face add up to the side, in the compartm
     const FacePressure faces = fast->face_pressure(pair().pose, side);
     const CompartmentFaces& compartment = pair().compartments[side];
     REQUIRE(faces.depth.size() == compartment.count());
-    CHECK(faces.depth.dot(compartment.areas) == doctest::Approx(at.volume).epsilon(1e-12));
-    CHECK(faces.pressure.dot(compartment.areas) == doctest::Approx(at.pressure_sum).epsilon(1e-12));
+    CHECK(faces.depth.dot(compartment.areas) == doctest::Approx(at.volume).epsilon(1e-6));  // single precision in the kernel
+    CHECK(faces.pressure.dot(compartment.areas) == doctest::Approx(at.pressure_sum).epsilon(1e-6));
     const Vector3 moment = compartment.centroids.transpose() *
                            (faces.pressure.array() * compartment.areas.array()).matrix();
-    CHECK((moment - at.pressure_moment).norm() < 1e-12 * moment.norm());
-    CHECK(faces.depth.maxCoeff() == doctest::Approx(at.max_depth).epsilon(1e-12));
+    CHECK((moment - at.pressure_moment).norm() < 1e-6 * moment.norm());
+    CHECK(faces.depth.maxCoeff() == doctest::Approx(at.max_depth).epsilon(1e-6));
   }
 }
 
@@ -290,7 +302,7 @@ TEST_CASE("[property] overlap beyond an open border goes to border_area and nowh
     const Vector3 q = X_FT * Vector3(open.compartments[kMedial].centroids.row(f));
     CHECK(cut.dot(q - middle) < 0.9 * settings.spacing);  // a cell's half diagonal
   }
-  CHECK(pressed == doctest::Approx(part.pressure_sum).epsilon(1e-12));
+  CHECK(pressed == doctest::Approx(part.pressure_sum).epsilon(1e-6));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ TEST_CASE(
     const SortedFaces sorted(faces);
     const FacesView v = sorted.faces();
     const ClustersView c = sorted.clusters();
-    CHECK(c.face_count % kGroup == 0);
+    CHECK(c.face_count % kLargestGroup == 0);
     CHECK(c.leaf_count == (c.face_count + kLeafFaces - 1) / kLeafFaces);
     CHECK(c.parent_count == (c.leaf_count + kParentLeaves - 1) / kParentLeaves);
     using Face = std::array<double, 4>;

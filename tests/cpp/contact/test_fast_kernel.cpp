@@ -24,7 +24,7 @@ void square_law(const void* law, const double* d, int n, double* energy, double*
   }
 }
 
-TEST_CASE("[oracle] a kernel takes any law, four depths at a time") {
+TEST_CASE("[oracle] a kernel takes any law, a group of depths at a time") {
   const test::TorusPair pair;
   const CompartmentFaces& compartment = pair.compartments[kMedial];
   const fast::SortedFaces faces(compartment);
@@ -54,14 +54,14 @@ TEST_CASE("[oracle] a kernel takes any law, four depths at a time") {
     fast::Sums sums;
     fast::kernel_for(set)(fast::field_view(*pair.field), faces.faces(), faces.clusters(),
                           fast::LawView{0.0, &c, &square_law}, placement, true, sums);
-    // Rounding of about 1 000 terms.
-    CHECK(std::abs(sums.energy - energy) < 1e-12 * energy);
-    CHECK(std::abs(sums.pressure_sum - pressure_sum) < 1e-12 * pressure_sum);
-    CHECK(std::abs(sums.peak_pressure - peak) < 1e-12 * peak);
+    // Single precision in the kernel's field.
+    CHECK(std::abs(sums.energy - energy) < 2e-6 * energy);
+    CHECK(std::abs(sums.pressure_sum - pressure_sum) < 2e-6 * pressure_sum);
+    CHECK(std::abs(sums.peak_pressure - peak) < 2e-6 * peak);
     CHECK((Vector3(sums.force[0], sums.force[1], sums.force[2]) - force).norm() <
-          1e-12 * force.norm());
-    CHECK(std::abs(sums.S[0] - S(0, 0)) < 1e-12 * S.norm());
-    CHECK(std::abs(sums.S[5] - S(1, 2)) < 1e-12 * S.norm());
+          2e-6 * force.norm());
+    CHECK(std::abs(sums.S[0] - S(0, 0)) < 2e-6 * S.norm());
+    CHECK(std::abs(sums.S[5] - S(1, 2)) < 2e-6 * S.norm());
   }
 }
 

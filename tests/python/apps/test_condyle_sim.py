@@ -300,6 +300,79 @@ def test_options_that_are_missing_or_do_not_go_together(
     _refused(run, "contact", *rest, "--frobnicate", 3)
 
 
+LAYER = ("--youngs-modulus-mpa", 463, "--poissons-ratio", 0.46, "--thickness-mm", 7.3)
+
+
+def test_contact_under_the_law_that_the_options_name(
+    run: Run, implant: Path, poses: Path, tmp_path: Path
+) -> None:
+    from condyle.contact import MeshContact, PowerLaw, ThinLayerLogarithmicLaw, read_table_law
+
+    (tmp_path / "law.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.2,3\n1.1,31\n")
+    for options, law in (
+        (
+            ("--law", "thin_layer_logarithmic", *LAYER),
+            ThinLayerLogarithmicLaw(youngs_modulus=463e6, poissons_ratio=0.46, thickness=7.3e-3),
+        ),
+        (
+            ("--law", "power", "--coefficient", 2.3e13, "--exponent", 2.35),
+            PowerLaw(coefficient=2.3e13, exponent=2.35),
+        ),
+        (("--law", "table", "--law-table", "law.csv"), read_table_law(tmp_path / "law.csv")),
+    ):
+        rest = ("--poses", poses, "--out", "loads.csv")
+        answer = run("contact", *meshes(implant), *rest, *options)
+        assert (answer.returncode, answer.stderr) == (0, "")
+        _, values, _ = read(tmp_path / "loads.csv")
+        model = MeshContact.from_files(
+            femur=implant / "femur.stl",
+            insert=implant / "insert.stl",
+            units="m",
+            side_of_body="right",
+            law=law,
+        )
+        wrench = np.asarray(model.evaluate_details(values[:, :6].copy(), 1).wrench)
+        assert wrench[0, 0, 1] > 10
+        # The same code; mm and MPa of the table are scaled by either program: eps.
+        np.testing.assert_allclose(values[:, [7, 16]], wrench[:, :, 1], rtol=1e-14)
+
+
+def test_a_thin_layer_is_the_modulus_it_converts_to(
+    run: Run, implant: Path, poses: Path, tmp_path: Path
+) -> None:
+    from condyle.contact import pressure_modulus
+
+    modulus = pressure_modulus(youngs_modulus=463e6, poissons_ratio=0.46, thickness=7.3e-3)
+    loads = []
+    for options in (("--law", "thin_layer_linear", *LAYER), ("--modulus", repr(modulus))):
+        rest = ("--poses", poses, "--out", "loads.csv")
+        assert run("contact", *meshes(implant), *rest, *options).returncode == 0
+        loads.append(read(tmp_path / "loads.csv")[1][:, [7, 16]])
+    # The two moduli differ by roundings, thousands of faces add up.
+    np.testing.assert_allclose(loads[0], loads[1], rtol=1e-13)
+    assert loads[0][0, 0] > 100
+
+
+def test_options_of_another_law_are_refused(run: Run, implant: Path, poses: Path) -> None:
+    def refused(*options: object) -> str:
+        rest = ("--poses", poses, "--out", "loads.csv")
+        return _refused(run, "contact", *meshes(implant), *rest, *options)
+
+    said = refused("--thickness-mm", 7)
+    assert said == "--thickness-mm does not go with --law linear_volume"
+    said = refused("--law", "thin_layer_linear", "--poissons-ratio", 0.4)
+    assert said == "--law thin_layer_linear needs --youngs-modulus-mpa"
+    known = "linear_volume, thin_layer_linear, thin_layer_logarithmic, power, table"
+    assert refused("--law", "cubic") == f"--law is 'cubic': must be one of {known}"
+    said = refused("--modulus", -3)
+    expected = "modulus is -3 N/m^3: must be finite and greater than 0"
+    assert said == f"contact law linear_volume: {expected}"
+    said = _refused(
+        run, "contact", "--surrogate", TINY, "--modulus", 3e9, "--poses", poses, "--out", "l.csv"
+    )
+    assert said == "--modulus does not go with --surrogate, whose file knows its law"
+
+
 def test_a_surrogate_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
     broken = tmp_path / "broken.onnx"
     broken.write_bytes(TINY.read_bytes()[:1000])

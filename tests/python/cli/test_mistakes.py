@@ -92,9 +92,25 @@ def test_an_unknown_key_in_a_study(condyle, tmp_path):
     assert result.returncode == 2
     assert result.stderr.strip() == (
         "condyle: knee.toml: contact.modulus: unknown key (value 3.0); "
-        "known: evaluation, plausible_depth_mm, pressure_modulus"
+        "known: evaluation, law, plausible_depth_mm, pressure_law"
     )
     assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"thickness_mm": 7}, "--thickness-mm does not go with --law linear_volume"),
+        ({"law": "table", "modulus": 3e9}, "--modulus does not go with --law table"),
+        ({"law": "thin_layer_linear", "poissons_ratio": 0.46}, "--law thin_layer_linear needs --youngs-modulus-mpa"),
+        ({"law": "power", "coefficient": 1e13}, "--law power needs --exponent"),
+        ({"law": "table"}, "--law table needs --law-table"),
+        ({"modulus": -3.0}, "contact law linear_volume: modulus is -3 N/m^3: must be finite and greater than 0"),
+        ({"law": "power", "coefficient": 1e13, "exponent": 0.5}, "contact law power: exponent is 0.5: must be"),
+    ],
+)  # fmt: skip
+def test_options_of_another_law_or_missing_ones(evaluate, options, said):
+    assert evaluate(**options).startswith(f"condyle: {said}")
 
 
 def test_a_good_table_has_the_columns_and_zero_in_the_air(condyle, implant, poses, tmp_path):

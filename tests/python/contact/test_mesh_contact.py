@@ -8,6 +8,7 @@ from small_implant import box, femur, inserts
 
 from condyle.contact import (
     Derivatives,
+    LinearVolumeLaw,
     Mesh,
     MeshContact,
     SignedDistance,
@@ -47,7 +48,8 @@ def test_a_plane_pressed_into_a_plane_is_a_spring_in_closed_form(contact: MeshCo
 
 
 def test_settings_reach_the_core() -> None:
-    soft = MeshContact(femur(), *inserts(), "right", pressure_modulus=3.1e9, plausible_depth=0.5e-3)
+    law = LinearVolumeLaw(modulus=3.1e9)
+    soft = MeshContact(femur(), *inserts(), "right", law=law, plausible_depth=0.5e-3)
     assert soft.law_name() == "linear_volume"
     assert soft.law_parameters() == [("modulus_N_per_m3", 3.1e9)]
     assert soft.settings.plausible_depth == 0.5e-3
@@ -88,7 +90,6 @@ def test_rotation_of_a_pose_is_a_rotation() -> None:
     [
         ({"side_of_body": "both"}, "side_of_body is 'both': must be 'left' or 'right'"),
         ({"evaluation": "rough"}, "evaluation is 'rough': must be 'exact' or 'fast'"),
-        ({"pressure_modulus": -1.0}, "modulus is -1.000000 N/m\\^3: must be finite"),
         ({"plausible_depth": 0.0}, "plausible_depth is 0.000000 m: must be finite"),
         ({"side_of_body": "left"}, "insert \\(medial\\): lies about z = -21 mm but in a left knee"),
         ({"femur": box((0.02, -0.011, 0.04), (0, 0, 0))}, "femur: normals point inwards"),

@@ -70,6 +70,9 @@ HEADERS_WITHOUT_TEST = {
     "contact/fast_kernel_body.hpp": "the body of the kernels, tested as such",
     "contact/fast_field.hpp": "the field within the kernels, tested against DistanceField through them",
     "contact/fast_vector.hpp": "the vectors of the kernels, tested with them",
+    "contact/fast_vector_avx2.hpp": "as fast_vector.hpp",
+    "contact/fast_vector_avx512.hpp": "as fast_vector.hpp",
+    "contact/fast_vector_baseline.hpp": "as fast_vector.hpp",
 }
 #: Python packages from the bottom up; a package imports those above it in this list never, those on
 #: its line freely.
@@ -88,6 +91,8 @@ CORE_WRAPPERS = {"contact", "fdk", "surrogate", "activities"}
 PYTHON_THIRD_PARTY: dict[str, set[str]] = {
     "torch": {"training"},
     "matplotlib": {"report"},
+    "vtkmodules": {"report"},
+    "vtk": {"report"},
     "typer": {"cli"},
     "opensim": {"opensim"},
 }

@@ -3,6 +3,13 @@ from pathlib import Path
 
 import pytest
 
+from condyle.contact import (
+    LinearVolumeLaw,
+    PowerLaw,
+    TableLaw,
+    ThinLayerLinearLaw,
+    ThinLayerLogarithmicLaw,
+)
 from condyle.errors import InputDataError
 from condyle.study.read import read_study
 
@@ -17,7 +24,11 @@ def test_an_empty_study_is_the_default_implant_named_after_its_file(tmp_path):
     result = read_study(study(tmp_path, ""))
     assert result.name == "knee"
     assert result.implant.preset == "curved"
-    assert result.contact.pressure_modulus == 9.3e9
+    assert result.contact.law.make().describe() == {
+        "name": "linear_volume",
+        "modulus_N_per_m3": 9.3e9,
+    }
+    assert result.contact.pressure_law is None
 
 
 def test_paths_are_relative_to_the_study(tmp_path):
@@ -41,10 +52,41 @@ def test_paths_are_relative_to_the_study(tmp_path):
             "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, simulator, training",
         ),
         (
-            "[contact]\npressure_modulus = -1.0\n",
-            "contact.pressure_modulus = -1.0: input should be greater than 0",
+            "[contact]\nlaw = {kind = 'linear_volume', modulus = -1.0}\n",
+            "contact.law.modulus = -1.0: input should be greater than 0",
         ),
-        ("[contact]\npressure_modulus = nan\n", "contact.pressure_modulus = nan: input should be"),
+        (
+            "[contact]\nlaw = {kind = 'linear_volume', modulus = nan}\n",
+            "contact.law.modulus = nan: input should be",
+        ),
+        (
+            "[contact]\nlaw = {kind = 'cubic'}\n",
+            "contact.law.kind = 'cubic': must be one of linear_volume, thin_layer_linear, "
+            "thin_layer_logarithmic, power, table",
+        ),
+        (
+            "[contact]\nlaw = {modulus = 1.0}\n",
+            "contact.law.kind: is missing: must be one of linear",
+        ),
+        ("[contact]\nlaw = 9.3e9\n", "contact.law = 9300000000.0: "),
+        (
+            "[contact]\npressure_law = {kind = 'thin_layer_linear', poissons_ratio = 0.5}\n",
+            "contact.pressure_law.youngs_modulus_MPa: is missing; contact.pressure_law.poissons_ratio = 0.5: "
+            "input should be less than 0.5; contact.pressure_law.thickness_mm: is missing",
+        ),
+        (
+            "[contact]\nlaw = {kind = 'power', coefficient = 1e13, n = 2}\n",
+            "contact.law.exponent: is missing; contact.law.n: unknown key (value 2); "
+            "known: coefficient, exponent, kind",
+        ),
+        (
+            "[contact]\npressure_law = {kind = 'power', coefficient = 1e13, exponent = 0.5}\n",
+            "contact.pressure_law.exponent = 0.5: input should be greater than or equal to 1",
+        ),
+        (
+            "[contact]\nlaw = {kind = 'table', file = 'none.csv'}\n",
+            "none.csv: cannot be read: No such",
+        ),
         (
             "[implant]\npreset = 'round'\n",
             "implant.preset = 'round': input should be 'curved' or 'flat'",
@@ -85,3 +127,41 @@ def test_all_mistakes_are_told_at_once(tmp_path):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputDataError, match=r"none\.toml: cannot be read: No such file"):
         read_study(tmp_path / "none.toml")
+
+
+LAWS = {
+    "{kind = 'linear_volume', modulus = 3.1e9}": LinearVolumeLaw(modulus=3.1e9),
+    "{kind = 'thin_layer_linear', youngs_modulus_MPa = 463, poissons_ratio = 0.46, thickness_mm = 7.3}": (
+        ThinLayerLinearLaw(youngs_modulus=463e6, poissons_ratio=0.46, thickness=7.3e-3)
+    ),
+    "{kind = 'thin_layer_logarithmic', youngs_modulus_MPa = 463, poissons_ratio = 0.46, thickness_mm = 7.3}": (
+        ThinLayerLogarithmicLaw(youngs_modulus=463e6, poissons_ratio=0.46, thickness=7.3e-3)
+    ),
+    "{kind = 'power', coefficient = 2.3e13, exponent = 2.35}": PowerLaw(
+        coefficient=2.3e13, exponent=2.35
+    ),
+    "{kind = 'table', file = 'law.csv'}": TableLaw(depth=(0.0, 2.5e-4), pressure=(0.0, 3e6)),
+}
+
+
+@pytest.mark.parametrize("key", ["law", "pressure_law"])
+@pytest.mark.parametrize("text", LAWS)
+def test_a_law_is_the_one_that_the_file_describes(tmp_path, key, text):
+    (tmp_path / "law.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.25,3\n")
+    contact = read_study(study(tmp_path, f"[contact]\n{key} = {text}\n")).contact
+    assert getattr(contact, key).make() == LAWS[text]
+
+
+def test_results_depend_on_a_tables_points_and_not_on_the_law_for_pressures(tmp_path):
+    (tmp_path / "a.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.25,3\n")
+    (tmp_path / "b.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.25,3\n")
+
+    def canonical(text: str) -> object:
+        return read_study(study(tmp_path, f"[contact]\n{text}\n")).canonical("contact", "sampling")
+
+    first = canonical("law = {kind = 'table', file = 'a.csv'}")
+    assert canonical("law = {kind = 'table', file = 'b.csv'}") == first
+    pressures = "law = {kind = 'table', file = 'a.csv'}\npressure_law = {kind = 'linear_volume'}"
+    assert canonical(pressures) == first
+    (tmp_path / "a.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.25,4\n")
+    assert canonical("law = {kind = 'table', file = 'a.csv'}") != first

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import condyle
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
+from condyle.study.pressure import pressure_pose
 from condyle.study.simulation_files import read_simulation
 from condyle.whole_files import write_whole
 
@@ -31,7 +32,7 @@ def run(context: StudyContext) -> bool:
     inputs = {
         stage: context.outputs_of(stage)
         for stage in ("implant", "reference", "sample", "train", "evaluate", "simulate")
-    } | {"version": condyle.__version__}
+    } | {"version": condyle.__version__, "pressure_law": _pressure_law(context)}
 
     def work() -> list[Path]:
         context.reporter.stage("report", "tables and figures")
@@ -45,6 +46,11 @@ def run(context: StudyContext) -> bool:
         return [json_file, markdown_file, *figures]
 
     return context.directory.run_stage("report", inputs, work)
+
+
+def _pressure_law(context: StudyContext) -> dict[str, str | float] | None:
+    law = context.study.contact.pressure_law
+    return None if law is None else law.make().describe()
 
 
 def _figures(context: StudyContext) -> list[Path]:
@@ -93,17 +99,18 @@ def _draw_pressure(
     from condyle.report.style import save
 
     frame = int(np.argmax(trace["wrenches"][:, :, 1].sum(axis=1)))
-    pose = trace["poses"][frame]
-    contact = context.reference
+    pose = pressure_pose(context, trace["poses"][frame], trace["wrenches"][frame])
+    contact = context.pressure_contact
     inserts = [(m.vertices, m.faces) for m in (contact.insert_medial, contact.insert_lateral)]
     force = trace["wrenches"][frame, :, 1].sum()
     flexion = np.degrees(trace["kinematics"][frame, 0])
+    law = "" if contact is context.reference else f" ({contact.law_name()})"
     figure = implant_figure(
         (contact.femur.vertices, contact.femur.faces),
         inserts,
         contact.face_pressures(pose),
         rotation_TF(pose),
         pose[:3],
-        f"{name}: {force:.0f} N at {flexion:.0f}° of flexion",
+        f"{name}: {force:.0f} N at {flexion:.0f}° of flexion{law}",
     )
     return save(figure, file)
