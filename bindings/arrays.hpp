@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "condyle/common/pose.hpp"
+#include "condyle/contact/elastic_layer.hpp"
 
 namespace condyle::bindings {
 
@@ -21,6 +22,9 @@ using VectorIn = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::devi
 using PosesIn = nb::ndarray<const double, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 using PoseIn = nb::ndarray<const double, nb::shape<6>, nb::c_contig, nb::device::cpu>;
 
+/// (m, 2) float64 input: modulus [Pa] and thickness [m] of the elastic layer under each face.
+using LayersIn = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+
 // A Pose is six doubles and nothing else, so an (n, 6) array is an array of poses.
 static_assert(sizeof(Pose) == 6 * sizeof(double));
 
@@ -30,6 +34,12 @@ inline std::span<const Pose> as_poses(const PosesIn& array) {
 inline Pose as_pose(const PoseIn& array) { return Pose(array.data()); }
 inline std::span<const double> as_span(const VectorIn& array) {
   return {array.data(), array.shape(0)};
+}
+
+static_assert(sizeof(contact::Layer) == 2 * sizeof(double));
+inline std::vector<contact::Layer> as_layers(const LayersIn& array) {
+  const auto* first = reinterpret_cast<const contact::Layer*>(array.data());
+  return {first, first + array.shape(0)};
 }
 
 /// Moves a vector into a NumPy array of that shape that owns it.

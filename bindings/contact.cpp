@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -63,9 +62,12 @@ auto face_pressure(const MeshContact& contact, const PoseIn& pose, Side side) {
 
 void make_mesh_contact(MeshContact* contact, const TriangleMesh& femur, const TriangleMesh& medial,
                        const TriangleMesh& lateral, SideOfBody side, const ContactLaw& law,
-                       const MeshContactSettings& settings) {
+                       const MeshContactSettings& settings, const LayersIn& femur_layers,
+                       const LayersIn& medial_layers, const LayersIn& lateral_layers) {
+  const ImplantLayers layers{as_layers(femur_layers),
+                             {as_layers(medial_layers), as_layers(lateral_layers)}};
   nb::gil_scoped_release release;
-  new (contact) MeshContact(femur, {medial, lateral}, side, law, settings);
+  new (contact) MeshContact(femur, {medial, lateral}, side, law, settings, layers);
 }
 
 void bind_detail(nb::module_& m) {
@@ -106,23 +108,17 @@ void bind_checks(nb::module_& m) {
 void bind_contact(nb::module_& m) {
   using namespace nb::literals;
   nb::enum_<Side>(m, "Side").value("medial", kMedial).value("lateral", kLateral);
-  nb::enum_<Evaluation>(m, "Evaluation")
-      .value("exact", Evaluation::kExact)
-      .value("fast", Evaluation::kFast);
-  m.def(
-      "evaluation", [](const std::string& name) { return evaluation_from_name(name); }, "name"_a,
-      "Reads 'exact' or 'fast'.");
   nb::class_<MeshContactSettings>(m, "MeshContactSettings")
       .def(nb::init<>())
-      .def_rw("evaluation", &MeshContactSettings::evaluation)
-      .def_rw("plausible_depth", &MeshContactSettings::plausible_depth, "[m]")
-      .def_rw("cache_directory", &MeshContactSettings::cache_directory);
+      .def_rw("pair", &MeshContactSettings::pair)
+      .def_rw("plausible_depth", &MeshContactSettings::plausible_depth, "[m]");
   bind_detail(m);
   bind_checks(m);
   nb::class_<MeshContact, ContactModel>(m, "MeshContact",
                                         "The reference contact of two triangle surfaces.")
       .def("__init__", &make_mesh_contact, "femur"_a, "insert_medial"_a, "insert_lateral"_a,
-           "side_of_body"_a, "law"_a, "settings"_a)
+           "side_of_body"_a, "law"_a, "settings"_a, "femur_layers"_a, "medial_layers"_a,
+           "lateral_layers"_a)
       .def_prop_ro("femur", &MeshContact::femur, nb::rv_policy::reference_internal)
       .def_prop_ro(
           "insert_medial",

@@ -6,6 +6,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <utility>
+
 #include "arrays.hpp"
 
 namespace condyle::bindings {
@@ -55,6 +57,14 @@ void bind_contact_law(nb::module_& m) {
       .def_prop_ro(
           "parameters", [](const ContactLaw& law) { return law.describe().parameters; },
           "Names, with their units, and values.");
+  m.def(
+      "layer_of",
+      [](double youngs_modulus, double poissons_ratio, double thickness) {
+        const Layer layer = layer_of({youngs_modulus, poissons_ratio, thickness});
+        return std::pair(layer.modulus, layer.thickness);
+      },
+      "youngs_modulus"_a, "poissons_ratio"_a, "thickness"_a,
+      "Confined modulus [Pa] and thickness [m] of a layer.");
   m.def("pressure_modulus", &pressure_modulus, "layer"_a, "K [N/m^3] of a layer.");
   m.def("youngs_modulus", &youngs_modulus, "modulus"_a, "poissons_ratio"_a, "thickness"_a,
         "E [Pa] of the layer of a pressure modulus [N/m^3].");

@@ -62,10 +62,10 @@ struct StaticEquilibria {
 };
 
 // `loads` has the columns x, z, θy, θz, Fy and Mx or θx; `starts` y and θx.
-StaticEquilibria solve_static(const ContactModel& model, const PosesIn& loads, bool theta_x_given,
+StaticEquilibria solve_static(const fdk::StaticEquilibriumSolver& solver, const PosesIn& loads, bool theta_x_given,
                               const std::optional<nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig,
                                                               nb::device::cpu>>& starts,
-                              const fdk::StaticEquilibriumSettings& settings, int threads) {
+                              int threads) {
   if (starts && starts->shape(0) != loads.shape(0)) {
     throw std::invalid_argument("start has " + std::to_string(starts->shape(0)) + " rows for " +
                                 std::to_string(loads.shape(0)) + " loads");
@@ -78,9 +78,9 @@ StaticEquilibria solve_static(const ContactModel& model, const PosesIn& loads, b
     if (theta_x_given) rows[i].theta_x = v[5];
     if (starts) rows[i].start = {starts->data()[2 * i], starts->data()[2 * i + 1]};
   }
-  const fdk::StaticEquilibriumSolver solver(model, settings);
+  const long before = solver.map_evaluations();
   StaticEquilibria result{solver.solve_batch(rows, threads), 0};
-  result.map_evaluations = solver.map_evaluations();
+  result.map_evaluations = solver.map_evaluations() - before;
   return result;
 }
 
@@ -152,7 +152,7 @@ void bind_static(nb::module_& m) {
       .def_rw("greatest_moment_arm", &S::greatest_moment_arm, "[m]")
       .def_rw("touch", &S::touch);
   using E = fdk::StaticEquilibrium;
-  nb::class_<StaticEquilibria>(m, "StaticEquilibria", "Results of solve_static, as arrays.")
+  nb::class_<StaticEquilibria>(m, "StaticEquilibria", "Results of StaticEquilibriumSolver.solve, as arrays.")
       .def_prop_ro("poses", [](const StaticEquilibria& r) { return poses(r.rows); }, kNew, "(n, 6)")
       .def_prop_ro("wrenches", [](const StaticEquilibria& r) { return wrenches(r.rows); }, kNew, "(n, 2, 6)")
       .def_prop_ro("stiffness", [](const StaticEquilibria& r) { return stiffnesses(r.rows); }, kNew, "(n, 2, 6, 6)")
@@ -165,9 +165,11 @@ void bind_static(nb::module_& m) {
       .def_prop_ro("trust", [](const StaticEquilibria& r) {
         return column<double>(r.rows, [](const E& e) { return e.loads.trust; }); }, kNew, "(n,)")
       .def_ro("map_evaluations", &StaticEquilibria::map_evaluations);
-  m.def("solve_static", &solve_static, "model"_a, "loads"_a, "theta_x_given"_a, "start"_a.none(),
-        "settings"_a, "threads"_a,
-        "Static equilibria; loads (n, 6): x, z, theta_y, theta_z, Fy and Mx (or theta_x where given).");
+  nb::class_<fdk::StaticEquilibriumSolver>(m, "StaticEquilibriumSolver",
+                                           "Solves static equilibria; keeps its map of first touches.")
+      .def(nb::init<const ContactModel&, const S&>(), "model"_a, "settings"_a, nb::keep_alive<1, 2>())
+      .def("solve", &solve_static, "loads"_a, "theta_x_given"_a, "start"_a.none(), "threads"_a,
+           "Static equilibria; loads (n, 6): x, z, theta_y, theta_z, Fy and Mx (or theta_x where given).");
 }
 
 void bind_ligaments(nb::module_& m) {

@@ -79,6 +79,11 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
       ->group(meshes)
       ->capture_default_str();
   add_law_options(command, options.law, "Contact law");
+  command
+      .add_option("--integration", options.integration,
+                  "Whose faces are integrated: insert, femur, or both for their mean")
+      ->group(meshes)
+      ->capture_default_str();
   command.add_option("--surrogate", options.surrogate, "Surrogate file (.onnx), instead of meshes")
       ->group("Implant as surrogate");
 }
@@ -90,7 +95,8 @@ std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& op
   const SideOfBody side = side_of_body_from_name(options.side_of_body);
   const geometry::LengthUnit unit = geometry::length_unit_from_name(options.units);
   contact::MeshContactSettings settings;
-  settings.evaluation = contact::evaluation_from_name(options.evaluation);
+  settings.pair.evaluation = contact::evaluation_from_name(options.evaluation);
+  settings.pair.integration = contact::integration_from_name(options.integration);
   const contact::ContactLaw law = read_law(options.law);
 
   const geometry::TriangleMesh femur = read(options.femur, unit);
@@ -103,15 +109,6 @@ std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& op
   check_naming(options.femur + ", " + insert_files,
                [&] { contact::require_unswapped(femur, insert); });
   return std::make_unique<contact::MeshContact>(femur, insert, side, law, settings);
-}
-
-double insert_width(const contact::MeshContact& contact) {
-  double low = 0.0, high = 0.0;
-  for (const auto& compartment : contact.insert()) {
-    low = std::min(low, compartment.vertices.col(2).minCoeff());
-    high = std::max(high, compartment.vertices.col(2).maxCoeff());
-  }
-  return high - low;
 }
 
 void require_no_meshes(const ImplantOptions& options) {

@@ -21,6 +21,7 @@ struct ImplantOptions {
   std::string side_of_body;
   std::string units;
   std::string evaluation;
+  std::string integration = "insert";
   LawOptions law;
   std::string surrogate;
 };
@@ -35,9 +36,6 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
 /// @throws std::invalid_argument naming the option that is missing or one too many, or the file and
 /// what is wrong with it.
 std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& options);
-
-/// Width of the insert along z: both compartments' vertices [m].
-double insert_width(const contact::MeshContact& contact);
 
 /// Throws std::invalid_argument if options of meshes were given beside --surrogate.
 void require_no_meshes(const ImplantOptions& options);

@@ -43,7 +43,7 @@ std::unique_ptr<contact::ContactModel> read_model(const ImplantOptions& options,
                                                   fdk::KneeSimulatorSettings& settings) {
   if (options.surrogate.empty()) {
     auto contact = read_mesh_contact(options);
-    settings.insert_width = insert_width(*contact);
+    settings.insert_width = contact->insert_width();
     return contact;
   }
   require_no_meshes(options);

@@ -4,9 +4,12 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <array>
 #include <memory>
+#include <utility>
+#include <vector>
 
-#include "condyle/contact/fast_evaluation.hpp"
+#include "condyle/contact/fast_integral.hpp"
 #include "condyle/geometry/distance_field_cache.hpp"
 #include "condyle/geometry/signed_distance.hpp"
 #include "dm_pair.hpp"
@@ -18,13 +21,13 @@ using namespace condyle::contact;
 
 // One closest-point search per insert face, no culling: what a straightforward program does. The
 // total Fy comes along, so that nothing is optimised away and the rows can be compared.
-double naive_force(const geometry::SignedDistance& distance, const Compartments& compartments,
+double naive_force(const geometry::SignedDistance& distance, const std::array<SurfaceFaces, kSides>& compartments,
                    const Pose& pose, int& loaded) {
   const RigidTransform X_TF = transform_TF(pose), X_FT = X_TF.inverse();
   const ContactLaw law;
   double force = 0.0;
   loaded = 0;
-  for (const CompartmentFaces& faces : compartments) {
+  for (const SurfaceFaces& faces : compartments) {
     for (Eigen::Index f = 0; f < faces.count(); ++f) {
       const auto query = distance.query(X_FT * Vector3(faces.centroids.row(f)));
       if (!(query.distance < 0.0) || query.on_border) continue;
@@ -35,7 +38,7 @@ double naive_force(const geometry::SignedDistance& distance, const Compartments&
   return force;
 }
 
-double total_force(const FaceEvaluation& contact, const Pose& pose, Derivatives derivatives) {
+double total_force(const ContactPair& contact, const Pose& pose, Derivatives derivatives) {
   return contact.evaluate(pose, kMedial, derivatives).wrench[1] +
          contact.evaluate(pose, kLateral, derivatives).wrench[1];
 }
@@ -47,8 +50,10 @@ void row(const char* what, double seconds, double naive, double exact, double fo
 
 void run() {
   const benchmark::DmPair dm = benchmark::read_dm_pair();
+  const std::array<SurfaceFaces, kSides> faces{surface_faces(dm.compartments[0]),
+                                               surface_faces(dm.compartments[1])};
   const geometry::SignedDistance distance(dm.femur);
-  const auto exact = make_exact_evaluation(dm.femur, dm.compartments, ContactLaw{});
+  const auto exact = make_contact_pair(dm.femur, dm.compartments);
   const double build =
       benchmark::quickest(1, 1, [&] { geometry::load_or_build_distance_field(dm.femur, {}, {}); });
   const auto cache = std::filesystem::temp_directory_path() / "condyle-benchmark-cache";
@@ -67,20 +72,24 @@ void run() {
     int loaded = 0;
     double force = 0.0;
     const double naive = benchmark::quickest(
-        5, 1, [&] { force = naive_force(distance, dm.compartments, pose, loaded); });
+        5, 1, [&] { force = naive_force(distance, faces, pose, loaded); });
     std::printf("depth %.1f mm, %d loaded faces of %d\n", 1e3 * depth, loaded,
-                static_cast<int>(dm.compartments[0].count() + dm.compartments[1].count()));
+                static_cast<int>(faces[0].count() + faces[1].count()));
     row("naive", naive, naive, naive, force);
     const double reference = benchmark::quickest(
-        5, 1, [&] { force = total_force(*exact, pose, Derivatives::kStiffness); });
+        5, 1, [&] { force = total_force(exact, pose, Derivatives::kStiffness); });
     row("exact, wrench + stiffness", reference, naive, reference, force);
     for (const auto set :
          {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
       if (set > best_instruction_set()) continue;
-      const auto fast = make_fast_evaluation(field, dm.compartments, ContactLaw{}, set);
+      std::vector<ContactPair::Compartment> parts;
+      for (const SurfaceFaces& part : faces) {
+        parts.push_back({make_fast_integral(field, part, ContactLaw{}, set), nullptr});
+      }
+      const ContactPair fast(std::move(parts));
       for (const auto derivatives : {Derivatives::kNone, Derivatives::kStiffness}) {
         const double took =
-            benchmark::quickest(100, 10, [&] { force = total_force(*fast, pose, derivatives); });
+            benchmark::quickest(100, 10, [&] { force = total_force(fast, pose, derivatives); });
         char what[64];
         std::snprintf(what, sizeof what, "fast (%s), wrench%s", name(set),
                       derivatives == Derivatives::kStiffness ? " + stiffness" : "");

@@ -6,8 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
+#include <vector>
 
-#include "condyle/contact/face_evaluation.hpp"
+#include "condyle/contact/contact_pair.hpp"
 #include "condyle/geometry/mesh_file.hpp"
 
 namespace condyle::benchmark {
@@ -15,7 +16,7 @@ namespace condyle::benchmark {
 /// The contact surfaces of the right knee DM, and its settled pose.
 struct DmPair {
   geometry::TriangleMesh femur;
-  contact::Compartments compartments;
+  std::vector<geometry::TriangleMesh> compartments;  // medial, lateral
   Pose settled = (Pose() << 6.404e-3, 41.107e-3, -0.218e-3, 0, 0, 0).finished();
 };
 
@@ -33,8 +34,7 @@ inline DmPair read_dm_pair() {
     return geometry::read_mesh(folder / file, geometry::LengthUnit::kMetre);
   };
   return {read("femur_contact.stl"),
-          {contact::compartment_faces(read("insert_contact_medial.stl")),
-           contact::compartment_faces(read("insert_contact_lateral.stl"))}};
+          {read("insert_contact_medial.stl"), read("insert_contact_lateral.stl")}};
 }
 
 /// Seconds that body() takes: the quickest of `repeats`, each of `calls` calls, because what

@@ -68,7 +68,7 @@ def main(run: Path) -> None:
     )
     units = np.array([180 / np.pi] * 3 + [1e3] * 3)
     row = "{:<28}{:<16}{:>8}{:>8}{:>8}{:>8}{:>12}{:>12}".format
-    print(row("restraints", "activity", "N", "Nm", "deg", "mm", "converged", "trust<0.5"))  # noqa: T201
+    print(row("restraints", "activity", "N", "Nm", "deg", "mm", "converged", "trust<0.5"))
     for change in CHANGES:
         for activity in BUILT_IN:
             settings = settings_for(change, reference, side)
@@ -80,7 +80,7 @@ def main(run: Path) -> None:
             worst = (loads[:, :3].max(), loads[:, 3:].max(), motion[:3].max(), motion[3:].max())
             converged = int(np.sum(found.status == "converged"))
             text = [f"{value:.3g}" for value in worst]
-            print(row(change, activity, *text, converged, int(np.sum(found.trust < 0.5))))  # noqa: T201
+            print(row(change, activity, *text, converged, int(np.sum(found.trust < 0.5))))
 
 
 if __name__ == "__main__":

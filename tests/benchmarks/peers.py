@@ -304,9 +304,9 @@ def main() -> None:
         try:
             peers += make(folder)
         except ImportError as error:
-            print(f"{make.__name__.removesuffix('_peers')}: not installed ({error.name})")  # noqa: T201
+            print(f"{make.__name__.removesuffix('_peers')}: not installed ({error.name})")
         except Exception as error:  # a peer's own failure: said, and the others go on
-            print(f"{make.__name__.removesuffix('_peers')}: {type(error).__name__}: {error}")  # noqa: T201
+            print(f"{make.__name__.removesuffix('_peers')}: {type(error).__name__}: {error}")
     for touch, depth in POSES:
         print_pose(peers, touch, depth)
 
@@ -322,13 +322,13 @@ def print_pose(peers: list[Peer], touch: tuple[float, float, float], depth: floa
         "mm³": found["condyle boolean (solids)"][1],
     }
     row = "  {:<34}{:>12}{:>12}{:>14}{:>12}".format
-    print(f"first touch at x {x}, y {y}, z {z} mm, lowered by {depth} mm")  # noqa: T201
-    print(row("", "ms", "× fast", "Fy or volume", "difference"))  # noqa: T201
+    print(f"first touch at x {x}, y {y}, z {z} mm, lowered by {depth} mm")
+    print(row("", "ms", "× fast", "Fy or volume", "difference"))
     for name, unit, _ in peers:
         seconds, value = found[name]
         shown = f"{value:.1f} N" if unit == "N" else f"{1e9 * value:.2f} mm³"
         off = f"{100 * (value / base[unit] - 1):+.3f} %"
-        print(row(name, f"{1e3 * seconds:.3f}", f"{seconds / fast:.1f}", shown, off))  # noqa: T201
+        print(row(name, f"{1e3 * seconds:.3f}", f"{seconds / fast:.1f}", shown, off))
 
 
 if __name__ == "__main__":

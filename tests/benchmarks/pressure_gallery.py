@@ -99,10 +99,10 @@ def main() -> None:
         with house_style():
             figure = pressure_map_figure(drawn, title=f"{title}: {LOAD:.0f} N")
             file = save(figure, folder / f"pressure_{name}.png", dpi=110)
-        print(file)  # noqa: T201
+        print(file)
         for panel in drawn:
             sides = panel.contact.sides.values()
-            print(  # noqa: T201
+            print(
                 f"  {panel.title}: Fy {' / '.join(f'{s.wrench[1]:.0f}' for s in sides)} N, "
                 f"area {' / '.join(f'{1e6 * s.area:.0f}' for s in sides)} mm², "
                 f"depth {' / '.join(f'{1e3 * s.depth.max():.2f}' for s in sides)} mm, "

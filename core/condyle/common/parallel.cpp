@@ -17,7 +17,8 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
     throw std::invalid_argument("threads is " + std::to_string(threads) +
                                 ": must be 0 (all) or a positive number");
   }
-  const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
+  // Asked once: the answer comes out of files, in some 10 µs, and a call may be for one pose.
+  static const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t workers =
       std::min<std::size_t>(threads == 0 ? hardware : static_cast<unsigned>(threads), count);
   if (workers <= 1) {

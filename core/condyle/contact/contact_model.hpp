@@ -33,6 +33,26 @@ struct ContactLoads {
   Matrix6 total_stiffness() const { return stiffness[kMedial] + stiffness[kLateral]; }
 };
 
+/// Where the loads of n poses go: arrays of the caller's, row-major, one row a pose; the fields are
+/// those of ContactLoads. An empty span is not written; stiffness is computed where its span is not.
+struct LoadSpans {
+  std::span<double> wrench;           ///< n × 2 × 6
+  std::span<double> stiffness;        ///< n × 2 × 6 × 6
+  std::span<double> error;            ///< n × 2 × 6
+  std::span<double> trust;            ///< n
+  std::span<bool> implausible_depth;  ///< n
+
+  Derivatives derivatives() const {
+    return stiffness.empty() ? Derivatives::kNone : Derivatives::kStiffness;
+  }
+
+  /// Writes one pose's loads into row `row`. @pre require_rows() accepted more rows than that.
+  void write(std::size_t row, const ContactLoads& loads) const;
+
+  /// @throws std::invalid_argument unless each span that is not empty holds `rows` rows, naming it.
+  void require_rows(std::size_t rows) const;
+};
+
 /// A frictionless elastic contact between the femoral component and the insert's two compartments.
 ///
 /// Thread safety: evaluate() is const and may be called from many threads at once.
@@ -52,9 +72,19 @@ class ContactModel {
   /// @throws std::invalid_argument on a size mismatch or a pose that is not finite, naming its row.
   virtual void evaluate_batch(std::span<const Pose> poses, Derivatives derivatives, int threads,
                               std::span<ContactLoads> loads) const;
+
+  /// evaluate_batch() straight into arrays: the same numbers, and nothing allocated per pose but
+  /// what evaluate() allocates.
+  /// @throws std::invalid_argument if a span's size does not fit, naming it, or for a pose that is
+  ///   not finite, naming its row.
+  virtual void evaluate_into(std::span<const Pose> poses, int threads,
+                             const LoadSpans& loads) const;
 };
 
 /// Throws std::invalid_argument naming the first coordinate of `pose` that is not finite, and its value.
 void require_finite(const Pose& pose);
+
+/// The same for many poses; the text begins with the row.
+void require_finite(std::span<const Pose> poses);
 
 }  // namespace condyle::contact

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far one evaluation of the contact is from another, over the poses that a knee may take.
+// How far one contact model is from another, over the poses that a knee may take: of the `fast`
+// evaluation against the `exact` one.
+//
+// An error is measured against the tolerance 0.2 % + 0.5 N of a force, 0.2 % + 0.02 Nm of a moment:
+// |ΔF| / (0.002 |F| + 0.5 N), at most 1 where the model holds it.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "condyle/contact/face_evaluation.hpp"
+#include "condyle/contact/contact_model.hpp"
 
 namespace condyle::contact {
 
@@ -26,25 +30,42 @@ struct PlausiblePoses {
 
 /// Draws poses and moves each along y until the total Fy is the load drawn, to 1 %. The same for
 /// the same seed.
+/// @param threads 0: all; the result does not depend on it.
+/// @returns those that carry their load: fewer than `count` where the femur slips past the insert.
 /// @throws std::invalid_argument if count < 1 or a range is empty, naming it.
-std::vector<Pose> plausible_poses(const FaceEvaluation& contact, const PlausiblePoses& settings);
+std::vector<Pose> plausible_poses(const ContactModel& model, const PlausiblePoses& settings,
+                                  int threads = 0);
 
-/// Largest and typical deviations of the wrench of a side. Relative ones over sides with at least
-/// 20 N.
+/// Deviations of one kind (forces or moments) over wrenches. Relative ones over wrenches with at
+/// least 20 N.
+struct Deviations {
+  double median = 0.0;           ///< |Δ|/|·|
+  double p99 = 0.0;              ///< 99th percentile
+  double worst = 0.0;            ///< largest
+  double tolerance_p99 = 0.0;    ///< of error/tolerance
+  double tolerance_worst = 0.0;  ///< of error/tolerance
+};
+
+/// Of all sides, or of all totals, over some poses.
+struct WrenchDeviations {
+  int count = 0;  ///< wrenches compared: those that carry force
+  Deviations force, moment;
+  Pose worst_pose = Pose::Zero();  ///< where error/tolerance is largest
+};
+
+/// Poses whose total force |F| lies between two values.
+struct LoadRange {
+  double from = 0.0, to = 0.0;  ///< [N]
+  WrenchDeviations sides, total;
+};
+
 struct AccuracyReport {
-  int sides = 0;              ///< sides compared (with force)
-  double force_median = 0.0;  ///< |ΔF|/|F|
-  double force_p99 = 0.0;
-  double moment_median = 0.0;  ///< |ΔM|/|M|
-  double moment_p99 = 0.0;
-  double force_tolerance_p99 = 0.0;   ///< |ΔF| / (0.2 % |F| + 0.5 N); at most 1 is the aim
-  double moment_tolerance_p99 = 0.0;  ///< |ΔM| / (0.2 % |M| + 0.02 Nm)
-  double worst = 0.0;                 ///< the larger of those two ratios at the worst pose
-  Pose worst_pose = Pose::Zero();
+  WrenchDeviations sides, total;   ///< over all poses
+  std::vector<LoadRange> by_load;  ///< limits 20, 60, 200, 600, 2 000, 3 500 N, the outer ones open
 };
 
 /// Compares `fast` to `exact` at poses. @param threads 0: all; the result does not depend on it.
-AccuracyReport measure_accuracy(const FaceEvaluation& fast, const FaceEvaluation& exact,
+AccuracyReport measure_accuracy(const ContactModel& fast, const ContactModel& exact,
                                 const std::vector<Pose>& poses, int threads = 0);
 
 }  // namespace condyle::contact

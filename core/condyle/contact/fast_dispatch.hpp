@@ -2,7 +2,7 @@
 // Which compilation of the fast kernel to run.
 #pragma once
 
-#include "condyle/contact/fast_evaluation.hpp"
+#include "condyle/contact/fast_integral.hpp"
 #include "condyle/contact/fast_kernel.hpp"
 
 namespace condyle::contact::fast {

@@ -57,12 +57,11 @@ Cluster ball(const FacesView& faces, std::size_t begin, std::size_t count) {
 
 }  // namespace
 
-SortedFaces::SortedFaces(const CompartmentFaces& faces) {
-  std::vector<std::int32_t> order;
+SortedFaces::SortedFaces(const SurfaceFaces& faces) {
   for (Eigen::Index f = 0; f < faces.count(); ++f) {
-    if (faces.areas[f] > 0.0) order.push_back(static_cast<std::int32_t>(f));
+    if (faces.areas[f] > 0.0) order_.push_back(static_cast<std::int32_t>(f));
   }
-  sort_compact(faces.centroids, order);
+  sort_compact(faces.centroids, order_);
   const auto push = [&](Eigen::Index f, double area) {
     x_.push_back(faces.centroids(f, 0));
     y_.push_back(faces.centroids(f, 1));
@@ -72,8 +71,11 @@ SortedFaces::SortedFaces(const CompartmentFaces& faces) {
     nz_.push_back(faces.normals(f, 2));
     area_.push_back(area);
   };
-  for (const std::int32_t f : order) push(f, faces.areas[f]);
-  while (area_.size() % kLargestGroup != 0) push(order.back(), 0.0);
+  for (const std::int32_t f : order_) push(f, faces.areas[f]);
+  while (area_.size() % kLargestGroup != 0) {
+    push(order_.back(), 0.0);
+    order_.push_back(order_.back());
+  }
 
   const FacesView view = this->faces();
   const std::size_t count = area_.size();

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A compartment's faces arranged for the fast kernel: sorted so that neighbours are neighbours in
+// A surface's faces arranged for the fast kernel: sorted so that neighbours are neighbours in
 // memory, in two levels of balls that can be culled at once, structure of arrays.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "condyle/contact/face_evaluation.hpp"
 #include "condyle/contact/fast_kernel.hpp"
+#include "condyle/contact/surface_faces.hpp"
 #include "condyle/geometry/distance_field.hpp"
 
 namespace condyle::contact::fast {
@@ -15,12 +16,15 @@ namespace condyle::contact::fast {
 class SortedFaces {
  public:
   /// Faces without area are left out: they add to no sum. The order depends on the faces only.
-  explicit SortedFaces(const CompartmentFaces& faces);
+  explicit SortedFaces(const SurfaceFaces& faces);
 
   FacesView faces() const;
   ClustersView clusters() const;
+  /// Of each sorted face, which one of the caller's it is; padding repeats the last.
+  const std::vector<std::int32_t>& order() const { return order_; }
 
  private:
+  std::vector<std::int32_t> order_;
   std::vector<double> x_, y_, z_, nx_, ny_, nz_, area_;
   std::vector<Cluster> parents_, leaves_;
 };

@@ -61,12 +61,12 @@ struct ClustersView {
 };
 
 /// Pressure law in a kernel: linear (p = K d) if `batch` is null, else whatever `batch` computes
-/// for n depths.
+/// for the n faces from first_face on.
 struct LawView {
   double modulus;
   const void* law;
-  void (*batch)(const void* law, const double* depth, int n, double* energy, double* pressure,
-                double* rate);
+  void (*batch)(const void* law, int first_face, const double* depth, int n, double* energy,
+                double* pressure, double* rate);
 };
 
 /// Placement of T in F: q = R_FT c + p_FTo.

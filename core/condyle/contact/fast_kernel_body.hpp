@@ -139,7 +139,7 @@ CONDYLE_INLINE void add_faces(const FacesView& faces, int f, const Work& work, i
   if (law.batch != nullptr) {
     double d[kGroup], w[kGroup], p[kGroup], r[kGroup];
     store(d, depth);
-    law.batch(law.law, d, kGroup, w, p, r);
+    law.batch(law.law, f, d, kGroup, w, p, r);
     energy = load(w), pressure = load(p), rate = load(r);
   }
   const vd Ap = area * pressure;

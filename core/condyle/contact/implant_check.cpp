@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "condyle/contact/face_evaluation.hpp"
+#include "condyle/contact/surface_faces.hpp"
 #include "condyle/geometry/mesh_report.hpp"
 
 namespace condyle::contact {
@@ -31,7 +31,7 @@ std::string millimetres(double metres) {
 // face centroid. Not over all of it: a solid cut in two is closed but for the cut, and its mean
 // normal says nothing.
 double mean_upward(const geometry::TriangleMesh& mesh, int end) {
-  const CompartmentFaces faces = compartment_faces(mesh);
+  const SurfaceFaces faces = surface_faces(mesh);
   const Eigen::VectorXd level = end * faces.centroids.col(1);
   const double highest = level.maxCoeff(),
                limit = highest - kEndShare * (highest - level.minCoeff());
@@ -85,7 +85,7 @@ void require_insert(const InsertMeshes& insert, SideOfBody side_of_body) {
     const std::string what = "insert (" + std::string(name(side)) + ")";
     geometry::require_well_formed(mesh, what.c_str());
     const geometry::MeshReport report = geometry::report_mesh(mesh);
-    const CompartmentFaces faces = compartment_faces(mesh);
+    const SurfaceFaces faces = surface_faces(mesh);
     if (report.closed) {
       require_outward_volume(what, report.volume);
     } else if (const double upward = mean_upward(mesh, +1); upward <= 0.0) {

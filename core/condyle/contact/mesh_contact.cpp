@@ -7,28 +7,29 @@
 #include <stdexcept>
 
 #include "condyle/common/parallel.hpp"
-#include "condyle/contact/fast_evaluation.hpp"
 #include "condyle/contact/implant_check.hpp"
-#include "condyle/geometry/distance_field_cache.hpp"
 
 namespace condyle::contact {
 namespace {
 
-std::unique_ptr<const FaceEvaluation> make_evaluation(const MeshContactSettings& settings,
-                                                      const geometry::TriangleMesh& femur,
-                                                      const InsertMeshes& insert,
-                                                      const ContactLaw& law) {
-  const Compartments compartments{compartment_faces(insert[kMedial]),
-                                  compartment_faces(insert[kLateral])};
-  if (settings.evaluation == Evaluation::kExact) {
-    return make_exact_evaluation(femur, compartments, law);
+// The checks that a knee's surfaces need, before anything is built of them.
+ContactPair checked_pair(const geometry::TriangleMesh& femur, const InsertMeshes& insert,
+                         SideOfBody side_of_body, const ContactLaw& law,
+                         const MeshContactSettings& settings, const ImplantLayers& layers) {
+  if (!std::isfinite(settings.plausible_depth) || settings.plausible_depth <= 0.0) {
+    throw std::invalid_argument("plausible_depth is " + std::to_string(settings.plausible_depth) +
+                                " m: must be finite and greater than 0");
   }
-  const auto cached = geometry::load_or_build_distance_field(
-      femur, geometry::DistanceFieldSettings{}, settings.cache_directory);
-  return make_fast_evaluation(cached.field, compartments, law);
+  require_femur(femur);
+  require_insert(insert, side_of_body);
+  PairLayers by_body{layers.femur, {}};
+  if (!layers.insert[kMedial].empty() || !layers.insert[kLateral].empty()) {
+    by_body.fixed = {layers.insert[kMedial], layers.insert[kLateral]};
+  }
+  return make_contact_pair(femur, {insert[kMedial], insert[kLateral]}, law, settings.pair, by_body);
 }
 
-SideDetail detail_of(const SideLoads& loads, double plausible_depth) {
+SideDetail detail_of(const CompartmentLoads& loads, double plausible_depth) {
   SideDetail detail;
   detail.wrench = loads.wrench;
   detail.energy = loads.energy;
@@ -70,29 +71,15 @@ std::string status_of(const ContactDetail& detail, double plausible_depth) {
 
 }  // namespace
 
-Evaluation evaluation_from_name(std::string_view text) {
-  if (text == "exact") return Evaluation::kExact;
-  if (text == "fast") return Evaluation::kFast;
-  throw std::invalid_argument("evaluation is '" + std::string(text) +
-                              "': must be 'exact' or 'fast'");
-}
-
-std::string_view name(Evaluation evaluation) {
-  return evaluation == Evaluation::kExact ? "exact" : "fast";
-}
-
 MeshContact::MeshContact(const geometry::TriangleMesh& femur, const InsertMeshes& insert,
                          SideOfBody side_of_body, const ContactLaw& law,
-                         const MeshContactSettings& settings)
-    : femur_(femur), insert_(insert), side_of_body_(side_of_body), law_(law), settings_(settings) {
-  if (!std::isfinite(settings.plausible_depth) || settings.plausible_depth <= 0.0) {
-    throw std::invalid_argument("plausible_depth is " + std::to_string(settings.plausible_depth) +
-                                " m: must be finite and greater than 0");
-  }
-  require_femur(femur);
-  require_insert(insert, side_of_body);
-  evaluation_ = make_evaluation(settings, femur, insert, law);
-}
+                         const MeshContactSettings& settings, const ImplantLayers& layers)
+    : femur_(femur),
+      insert_(insert),
+      side_of_body_(side_of_body),
+      law_(law),
+      settings_(settings),
+      pair_(checked_pair(femur, insert, side_of_body, law, settings, layers)) {}
 
 double MeshContact::insert_width() const {
   const auto medial = insert_[kMedial].vertices.col(2), lateral = insert_[kLateral].vertices.col(2);
@@ -100,7 +87,7 @@ double MeshContact::insert_width() const {
          std::min(medial.minCoeff(), lateral.minCoeff());
 }
 
-bool MeshContact::implausible(const SideLoads& loads) const {
+bool MeshContact::implausible(const CompartmentLoads& loads) const {
   return loads.max_depth > settings_.plausible_depth || loads.back_face;
 }
 
@@ -108,7 +95,7 @@ ContactLoads MeshContact::evaluate(const Pose& pose, Derivatives derivatives) co
   require_finite(pose);
   ContactLoads loads;
   for (const Side side : {kMedial, kLateral}) {
-    const SideLoads one = evaluation_->evaluate(pose, side, derivatives);
+    const CompartmentLoads one = pair_.evaluate(pose, side, derivatives);
     loads.wrench[side] = one.wrench;
     loads.stiffness[side] = one.stiffness;
     loads.implausible_depth |= implausible(one);
@@ -121,7 +108,7 @@ ContactDetail MeshContact::evaluate_detail(const Pose& pose) const {
   ContactDetail detail;
   for (const Side side : {kMedial, kLateral}) {
     detail.sides[side] =
-        detail_of(evaluation_->evaluate(pose, side, Derivatives::kNone), settings_.plausible_depth);
+        detail_of(pair_.evaluate(pose, side, Derivatives::kNone), settings_.plausible_depth);
   }
   detail.status = status_of(detail, settings_.plausible_depth);
   return detail;
@@ -142,7 +129,7 @@ std::vector<ContactDetail> MeshContact::evaluate_details(std::span<const Pose> p
 
 FacePressure MeshContact::face_pressure(const Pose& pose, Side side) const {
   require_finite(pose);
-  return evaluation_->face_pressure(pose, side);
+  return pair_.face_pressure(pose, side);
 }
 
 }  // namespace condyle::contact

@@ -31,6 +31,9 @@ struct SurfaceQuery {
   std::int32_t face = -1;                    ///< a face that holds the closest point
   Feature feature = Feature::kFace;          ///< what the closest point lies on
   bool on_border = false;  ///< the feature is an edge or vertex of the open border
+  /// n·(p − closest) with n the normal of `face`: how far p is above the surface's continuation where
+  /// on_border [m]; near φ elsewhere.
+  double continuation = 0.0;
 
   Vector3 closest_point(const Vector3& p) const { return p - distance * gradient; }
 

@@ -96,6 +96,7 @@ SurfaceQuery SurfaceFeatures::resolve(const Vector3& p, std::int32_t face,
     // n·(p − a) rather than |p − c|: exact to rounding also where p nearly touches the face.
     query.gradient = face_normal(face);
     query.distance = query.gradient.dot(p - t.a);
+    query.continuation = query.distance;
     return query;
   }
 
@@ -116,6 +117,7 @@ SurfaceQuery SurfaceFeatures::resolve(const Vector3& p, std::int32_t face,
   const Vector3 away = p - closest.point;
   const double length = away.norm();
   query.distance = away.dot(normal) < 0.0 ? -length : length;
+  query.continuation = away.dot(face_normal(face));
   query.gradient = length < kOnSurface ? normal.normalized() : Vector3(away / query.distance);
   return query;
 }

@@ -2,6 +2,7 @@
 #include "condyle/surrogate/onnx_contact_model.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -81,13 +82,32 @@ struct OnnxContactModel::Impl {
     }
   }
 
-  void evaluate(std::span<const Pose> poses, Derivatives derivatives,
-                std::span<ContactLoads> loads) const {
-    session.run(poses, [&](std::span<const double* const> outputs) {
+  /// Calls take(row, loads) for each of at most kMaxRows poses.
+  template <typename Take>
+  void evaluate(std::span<const Pose> poses, Derivatives derivatives, const Take& take) const {
+    const auto read = [&](std::span<const double* const> outputs) {
       for (std::size_t row = 0; row < poses.size(); ++row) {
-        loads[row] = read_row(contract, outputs, row, derivatives);
+        take(row, read_row(contract, outputs, row, derivatives));
       }
-    });
+    };
+    // By reference: a std::function would else copy the captures to the heap.
+    session.run(poses, std::cref(read));
+  }
+
+  /// The same for any number of poses, in pieces counted from the first.
+  template <typename Take>
+  void evaluate_pieces(std::span<const Pose> poses, Derivatives derivatives, int threads,
+                       const Take& take) const {
+    require_available(derivatives);
+    contact::require_finite(poses);
+    constexpr std::size_t kPiece = OnnxSession::kMaxRows;
+    const auto body = [&](std::size_t piece) {
+      const std::size_t first = piece * kPiece;
+      const std::size_t count = std::min(kPiece, poses.size() - first);
+      evaluate(poses.subspan(first, count), derivatives,
+               [&](std::size_t row, const ContactLoads& loads) { take(first + row, loads); });
+    };
+    parallel_for((poses.size() + kPiece - 1) / kPiece, threads, std::cref(body));
   }
 
   std::filesystem::path file;
@@ -114,7 +134,8 @@ ContactLoads OnnxContactModel::evaluate(const Pose& pose, Derivatives derivative
   impl_->require_available(derivatives);
   contact::require_finite(pose);
   ContactLoads loads;
-  impl_->evaluate({&pose, 1}, derivatives, {&loads, 1});
+  impl_->evaluate({&pose, 1}, derivatives,
+                  [&](std::size_t, const ContactLoads& found) { loads = found; });
   return loads;
 }
 
@@ -124,21 +145,16 @@ void OnnxContactModel::evaluate_batch(std::span<const Pose> poses, Derivatives d
     throw std::invalid_argument("evaluate_batch: " + std::to_string(loads.size()) +
                                 " results for " + std::to_string(poses.size()) + " poses");
   }
-  impl_->require_available(derivatives);
-  for (std::size_t row = 0; row < poses.size(); ++row) {
-    if (poses[row].allFinite()) continue;
-    try {
-      contact::require_finite(poses[row]);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("row " + std::to_string(row) + ": " + error.what());
-    }
-  }
-  constexpr std::size_t kPiece = OnnxSession::kMaxRows;
-  parallel_for((poses.size() + kPiece - 1) / kPiece, threads, [&](std::size_t piece) {
-    const std::size_t first = piece * kPiece;
-    const std::size_t count = std::min(kPiece, poses.size() - first);
-    impl_->evaluate(poses.subspan(first, count), derivatives, loads.subspan(first, count));
-  });
+  impl_->evaluate_pieces(poses, derivatives, threads,
+                         [&](std::size_t row, const ContactLoads& found) { loads[row] = found; });
+}
+
+void OnnxContactModel::evaluate_into(std::span<const Pose> poses, int threads,
+                                     const contact::LoadSpans& loads) const {
+  loads.require_rows(poses.size());
+  impl_->evaluate_pieces(
+      poses, loads.derivatives(), threads,
+      [&](std::size_t row, const ContactLoads& found) { loads.write(row, found); });
 }
 
 }  // namespace condyle::surrogate

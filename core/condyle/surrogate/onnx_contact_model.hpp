@@ -25,10 +25,9 @@ namespace condyle::surrogate {
 class OnnxContactModel final : public contact::ContactModel {
  public:
   /// @throws std::invalid_argument in one line naming the file and the field that is missing or
-  /// does not match the
-  ///   contract, or that the file is missing, truncated, no ONNX model, or gives values that are
-  // not finite. / @throws std::runtime_error when there is no usable onnxruntime
-  //(onnxruntime_library.hpp).
+  ///   does not match the contract, or that the file is missing, truncated, no ONNX model, or gives
+  ///   values that are not finite.
+  /// @throws std::runtime_error when there is no usable onnxruntime (onnxruntime_library.hpp).
   explicit OnnxContactModel(const std::filesystem::path& file);
   ~OnnxContactModel() override;
   OnnxContactModel(OnnxContactModel&&) noexcept;
@@ -42,6 +41,9 @@ class OnnxContactModel final : public contact::ContactModel {
 
   void evaluate_batch(std::span<const Pose> poses, contact::Derivatives derivatives, int threads,
                       std::span<contact::ContactLoads> loads) const override;
+
+  void evaluate_into(std::span<const Pose> poses, int threads,
+                     const contact::LoadSpans& loads) const override;
 
   /// False for a wrench-only file, which has neither stiffness nor error nor trust.
   bool has_stiffness() const;

@@ -30,6 +30,10 @@ def evaluate(
         Literal["exact", "fast"],
         typer.Option(help="Triangles themselves, or a smooth field of them."),
     ] = "exact",
+    integration: Annotated[
+        Literal["insert", "femur", "both"],
+        typer.Option(help="Whose faces are integrated; both: the mean."),
+    ] = "insert",
     law: law_options.Law = "linear_volume",
     modulus: law_options.Modulus = None,
     youngs_modulus_mpa: law_options.YoungsModulus = None,
@@ -71,6 +75,7 @@ def evaluate(
         units=units,
         side_of_body=side_of_body,
         evaluation=evaluation,
+        integration=integration,
         law=law_options.read_law(
             law,
             modulus=modulus,
@@ -82,10 +87,76 @@ def evaluate(
             law_table=law_table,
         ),
     )
+    if model.fast_error is not None:
+        console.print(model.fast_error.sentence(), highlight=False, soft_wrap=True)
     columns = evaluate_table(model, table, threads=threads)
     if solids is not None:
         columns = overlap_options.add_volumes(columns, solids, threads)
     write_table(out, columns)
+    console.print(f"{out}: {len(table)} poses", highlight=False)
+
+
+@app.command(name="pair")
+def evaluate_pair(
+    moving: Annotated[Path, typer.Option(help="Surface of the moving body, in its own frame.")],
+    fixed: Annotated[
+        list[Path],
+        typer.Option(help="Surface of a compartment of the fixed body; as often as there are."),
+    ],
+    units: Annotated[Literal["m", "mm"], typer.Option(help="Unit of the mesh files.")],
+    poses: Annotated[
+        Path,
+        typer.Option(help="CSV: x,y,z [m],theta_x,theta_y,theta_z [rad] of moving in fixed."),
+    ],
+    out: Annotated[Path, typer.Option(help="CSV to write: poses, loads per compartment.")],
+    evaluation: Annotated[
+        Literal["exact", "fast"],
+        typer.Option(help="Triangles themselves, or smooth fields of them."),
+    ] = "exact",
+    integration: Annotated[
+        Literal["fixed", "moving", "both"],
+        typer.Option(help="Whose faces are integrated; both: the mean."),
+    ] = "fixed",
+    law: law_options.Law = "linear_volume",
+    modulus: law_options.Modulus = None,
+    youngs_modulus_mpa: law_options.YoungsModulus = None,
+    poissons_ratio: law_options.PoissonsRatio = None,
+    thickness_mm: law_options.Thickness = None,
+    coefficient: law_options.Coefficient = None,
+    exponent: law_options.Exponent = None,
+    law_table: law_options.LawTable = None,
+    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 for all cores.")] = 0,
+) -> None:
+    """Evaluates the contact of any two bodies, such as a patellar button on the trochlea."""
+    from condyle.contact import (
+        ContactPair,
+        evaluate_pair_table,
+        read_mesh,
+        read_poses,
+        write_table,
+    )
+
+    table = read_poses(poses)
+    names = [file.stem for file in fixed]
+    if len(set(names)) != len(names):
+        raise InputDataError(f"--fixed: two files are called {names}: columns take their names")
+    pair = ContactPair(
+        read_mesh(moving, units),
+        {name: read_mesh(file, units) for name, file in zip(names, fixed, strict=True)},
+        evaluation=evaluation,
+        integration=integration,
+        law=law_options.read_law(
+            law,
+            modulus=modulus,
+            youngs_modulus_mpa=youngs_modulus_mpa,
+            poissons_ratio=poissons_ratio,
+            thickness_mm=thickness_mm,
+            coefficient=coefficient,
+            exponent=exponent,
+            law_table=law_table,
+        ),
+    )
+    write_table(out, evaluate_pair_table(pair, table, threads=threads))
     console.print(f"{out}: {len(table)} poses", highlight=False)
 
 

@@ -12,6 +12,13 @@ from condyle._core.contact import ContactModel, Derivatives, LoadArrays
 from condyle._core.geometry import Mesh, MeshReport, SignedDistance, content_hash
 from condyle._core.io import read_poses
 from condyle.contact.contact_map import CompartmentMap, ContactMap, contact_map
+from condyle.contact.contact_pair import ContactPair, PairLoads
+from condyle.contact.fast_error import (
+    FastError,
+    LoadRangeError,
+    WrenchError,
+    measure_fast_error,
+)
 from condyle.contact.implant_doctor import (
     Finding,
     ImplantExamination,
@@ -32,7 +39,8 @@ from condyle.contact.laws import (
     pressure_modulus,
     youngs_modulus,
 )
-from condyle.contact.load_table import evaluate_table, write_table
+from condyle.contact.layers import FaceLayers
+from condyle.contact.load_table import evaluate_pair_table, evaluate_table, write_table
 from condyle.contact.mesh_contact import MeshContact
 from condyle.contact.mesh_files import inspect_mesh, read_mesh, write_mesh
 from condyle.contact.mesh_refinement import mean_edge_length, refine_mesh
@@ -49,32 +57,40 @@ __all__ = [
     "ContactLaw",
     "ContactMap",
     "ContactModel",
+    "ContactPair",
     "Derivatives",
+    "FaceLayers",
+    "FastError",
     "Finding",
     "ImplantExamination",
     "ImplantMeshes",
     "LinearVolumeLaw",
     "LoadArrays",
+    "LoadRangeError",
     "Mesh",
     "MeshContact",
     "MeshExamination",
     "MeshReport",
     "OverlapSolid",
     "OverlapVolume",
+    "PairLoads",
     "PowerLaw",
     "SignedDistance",
     "TableLaw",
     "ThinLayerLinearLaw",
     "ThinLayerLogarithmicLaw",
     "TrialContact",
+    "WrenchError",
     "add_overlap_columns",
     "contact_map",
     "content_hash",
+    "evaluate_pair_table",
     "evaluate_table",
     "examine_implant",
     "examine_mesh",
     "inspect_mesh",
     "mean_edge_length",
+    "measure_fast_error",
     "overlap_volume",
     "pressure_modulus",
     "read_implant",

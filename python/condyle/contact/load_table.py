@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from condyle._core import contact as _contact
+from condyle.contact.contact_pair import ContactPair
 from condyle.conventions import LOAD_COLUMNS, POSE_COLUMNS, SIDES
 from condyle.errors import InputDataError
 from condyle.whole_files import write_whole
@@ -46,6 +47,32 @@ def evaluate_table(contact: _contact.MeshContact, poses: ArrayLike, *, threads: 
         for name in _DETAILS:
             columns[f"{side}_{name}"] = np.asarray(getattr(detail, name))[:, i]
     columns["status"] = list(detail.status)
+    return columns
+
+
+def evaluate_pair_table(pair: ContactPair, poses: ArrayLike, *, threads: int = 0) -> Columns:
+    """Evaluates any two bodies' contact at many poses.
+
+    Args:
+        pair: the contact.
+        poses: (n, 6) [m, rad].
+        threads: 0 means all cores. The result does not depend on it.
+
+    Returns:
+        Columns of n values in file order: the pose; for each compartment NAME its loads on the moving body [N, Nm] as
+        ``NAME_Fx`` … ``NAME_Mz``, ``NAME_volume`` [m³], ``NAME_area`` [m²] and ``NAME_max_depth`` [m].
+
+    Raises:
+        ValueError: poses are not (n, 6), or one is not finite; the text names the row and the coordinate.
+    """
+    table = np.ascontiguousarray(poses, dtype=np.float64)
+    loads = pair.evaluate(table, threads=threads)
+    columns: Columns = {name: table[:, i] for i, name in enumerate(POSE_COLUMNS)}
+    for c, compartment in enumerate(pair.names):
+        for j, load in enumerate(LOAD_COLUMNS):
+            columns[f"{compartment}_{load}"] = loads.wrench[:, c, j]
+        for name in _DETAILS:
+            columns[f"{compartment}_{name}"] = np.asarray(getattr(loads, name))[:, c]
     return columns
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The reference contact of two meshes."""
 
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Literal, Self
@@ -11,12 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from condyle._core import contact as _contact
 from condyle._core.common import side_of_body as _side_of_body
 from condyle._core.geometry import Mesh, content_hash
+from condyle.contact.contact_pair import EvaluationName
+from condyle.contact.fast_error import FastError, measure_fast_error, stored_fast_error
 from condyle.contact.implant_files import read_implant
 from condyle.contact.laws import ContactLaw, LinearVolumeLaw
+from condyle.contact.layers import FaceLayers, layer_table
 from condyle.contact.mesh_files import MeshFile, Units
 from condyle.conventions import SideOfBody
+from condyle.whole_files import content_hash as bytes_hash
 
-EvaluationName = Literal["exact", "fast"]
+IntegrationName = Literal["insert", "femur", "both"]
 
 #: K = 9.3e9 N/m³ (Marra et al. 2015), for forces and kinematics.
 _DEFAULT_LAW = LinearVolumeLaw()
@@ -25,8 +30,8 @@ _DEFAULT_LAW = LinearVolumeLaw()
 class MeshContact(_contact.MeshContact):
     """Frictionless elastic contact between a femoral component and an insert's two compartments.
 
-    Energy U = Σ A·W(d) over the insert's faces, d the depth of a face's centroid below the femoral
-    surface; loads are its derivatives. Quasi-static; the bodies are rigid under their surface layer.
+    Energy U = Σ A·W(d) over the insert's faces (or the femur's, or the mean of both), d the depth of a face's centroid
+    below the other surface; loads are its derivatives. Quasi-static; the bodies are rigid under their surface layer.
 
     Args:
         femur: surface of the femoral component in the femoral frame, normals out of it.
@@ -35,11 +40,15 @@ class MeshContact(_contact.MeshContact):
         side_of_body: which knee it is.
         law: W(d), see :mod:`condyle.contact.laws`; by default p = K·d with K = 9.3e9 N/m³ (Marra et al. 2015).
         evaluation: "exact", distances to the triangles themselves, or "fast", through a smooth field of them.
+        integration: whose faces are integrated: "insert", "femur", or "both" for their mean.
         plausible_depth: depth beyond which an overlap is flagged [m]; the core's default (2 mm) if not given.
-        cache_directory: where "fast" keeps its distance field between runs.
+        cache_directory: where "fast" keeps its distance fields between runs, and its measured error.
+        femur_layers: the elastic layer under each of the femur's faces, for laws that have one.
+        insert_layers: likewise of the medial and the lateral compartment.
 
     Raises:
-        ValueError: a mesh's normals point inwards, sides are swapped, or a setting is out of range.
+        ValueError: a mesh's normals point inwards, sides are swapped, layers do not match, or a setting is out of
+            range.
     """
 
     def __init__(
@@ -51,17 +60,32 @@ class MeshContact(_contact.MeshContact):
         *,
         law: ContactLaw = _DEFAULT_LAW,
         evaluation: EvaluationName = "exact",
+        integration: IntegrationName = "insert",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
+        femur_layers: FaceLayers | None = None,
+        insert_layers: tuple[FaceLayers, FaceLayers] | None = None,
     ) -> None:
         settings = _contact.MeshContactSettings()
-        settings.evaluation = _contact.evaluation(evaluation)
+        settings.pair.evaluation = _contact.evaluation(evaluation)
+        settings.pair.integration = _contact.integration(integration)
         if plausible_depth is not None:
             settings.plausible_depth = plausible_depth
         if cache_directory is not None:
-            settings.cache_directory = Path(cache_directory)
+            settings.pair.cache_directory = Path(cache_directory)
+        self._law = law
         side = _side_of_body(side_of_body)
-        super().__init__(femur, insert_medial, insert_lateral, side, law.core, settings)
+        of_medial, of_lateral = insert_layers if insert_layers is not None else (None, None)
+        self._layers = (
+            layer_table(femur_layers, len(femur.faces)),
+            layer_table(of_medial, len(insert_medial.faces)),
+            layer_table(of_lateral, len(insert_lateral.faces)),
+        )
+        super().__init__(
+            femur, insert_medial, insert_lateral, side, law.core, settings, *self._layers
+        )
+        if cache_directory is not None:
+            _ = self.fast_error  # belongs to what is built once and kept
 
     @classmethod
     def from_files(
@@ -75,6 +99,7 @@ class MeshContact(_contact.MeshContact):
         side_of_body: SideOfBody,
         law: ContactLaw = _DEFAULT_LAW,
         evaluation: EvaluationName = "exact",
+        integration: IntegrationName = "insert",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
     ) -> Self:
@@ -98,8 +123,46 @@ class MeshContact(_contact.MeshContact):
             side_of_body,
             law=law,
             evaluation=evaluation,
+            integration=integration,
             plausible_depth=plausible_depth,
             cache_directory=cache_directory,
+        )
+
+    @cached_property
+    def fast_error(self) -> FastError | None:
+        """How far this pair is from its exact evaluation over plausible poses; None if it is exact itself.
+
+        Measured when first asked for, in a few seconds; with a ``cache_directory`` when the contact is made, unless a
+        record of this pair is there.
+        """
+        pair = self.settings.pair
+        if pair.evaluation != _contact.Evaluation.fast:
+            return None
+        spacing = pair.field_spacing
+
+        def measure() -> FastError:
+            return measure_fast_error(self, self._exact, spacing=spacing)
+
+        if pair.cache_directory == Path():
+            return measure()
+        identity = {
+            **self.mesh_hashes(),
+            "side_of_body": self.side_of_body.name,
+            "law": self._law.describe(),
+            "layers": [bytes_hash(layer.tobytes()) for layer in self._layers],
+            "integration": pair.integration.name,
+            "spacing": spacing,
+        }
+        return stored_fast_error(pair.cache_directory, identity, measure)
+
+    def _exact(self) -> _contact.MeshContact:
+        settings = _contact.MeshContactSettings()
+        exact = _contact.PairSettings()
+        exact.integration = self.settings.pair.integration
+        settings.pair = exact
+        surfaces = (self.femur, self.insert_medial, self.insert_lateral)
+        return _contact.MeshContact(
+            *surfaces, self.side_of_body, self._law.core, settings, *self._layers
         )
 
     def face_pressures(self, pose: ArrayLike) -> list[NDArray[np.float64]]:

@@ -25,7 +25,11 @@ from condyle._core.fdk import (
 from condyle.fdk.knee_simulator import KneeSimulation, settled_pose, simulate_knee
 from condyle.fdk.ligaments import default_ligaments
 from condyle.fdk.seating import Seat, first_touch, load_seated, seated_pose
-from condyle.fdk.static_equilibrium import StaticEquilibria, solve_static_equilibria
+from condyle.fdk.static_equilibrium import (
+    StaticEquilibria,
+    StaticEquilibriumSolver,
+    solve_static_equilibria,
+)
 
 __all__ = [
     "EquilibriumStatus",
@@ -41,6 +45,7 @@ __all__ = [
     "SettleSettings",
     "StaticEquilibria",
     "StaticEquilibriumSettings",
+    "StaticEquilibriumSolver",
     "TouchSearch",
     "default_ligaments",
     "first_touch",

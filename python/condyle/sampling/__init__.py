@@ -14,8 +14,9 @@ Reference: Marra MA et al. (2017), sampling of the reference contact model and T
 
 from condyle.sampling.dataset import Candidates, Dataset, read_candidates
 from condyle.sampling.domain import DOMAIN_NAMES, PAPER_COUNTS, SamplingDomain
-from condyle.sampling.domains import build_domains
+from condyle.sampling.domains import BoundaryPoints, DomainInputs, build_domain
 from condyle.sampling.equilibrium_protocol import (
+    GIVEN_COLUMNS,
     PRESCRIBED_COLUMNS,
     SOLVER_STATUSES,
     Prescribed,
@@ -30,11 +31,14 @@ from condyle.sampling.sample import sample
 __all__ = [
     "CURVE_COLUMNS",
     "DOMAIN_NAMES",
+    "GIVEN_COLUMNS",
     "PAPER_COUNTS",
     "PRESCRIBED_COLUMNS",
     "SOLVER_STATUSES",
+    "BoundaryPoints",
     "Candidates",
     "Dataset",
+    "DomainInputs",
     "DomainReport",
     "DomainTarget",
     "Prescribed",
@@ -47,7 +51,7 @@ __all__ = [
     "SamplingReport",
     "Solved",
     "StaticEquilibriumSolver",
-    "build_domains",
+    "build_domain",
     "read_candidates",
     "sample",
 ]

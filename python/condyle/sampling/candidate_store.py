@@ -18,12 +18,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
+from condyle.sampling.chunk import Chunk
 from condyle.sampling.domain import SamplingDomain
 from condyle.sampling.equilibrium_protocol import StaticEquilibriumSolver
-from condyle.sampling.evaluate_chunk import ACCEPTED, INFEASIBLE, Chunk, evaluate_chunk
-from condyle.sampling.part_files import damaged, encode_part, read_part_record
+from condyle.sampling.evaluate_chunk import ACCEPTED, INFEASIBLE, evaluate_chunk
+from condyle.sampling.part_files import damaged, encode_part, read_part, read_part_record
 from condyle.sampling.plan import SamplingPlan
 from condyle.whole_files import write_whole
 
@@ -35,20 +38,23 @@ _IN_FLIGHT: Final = 64
 
 @dataclass
 class Tally:
-    """Candidates and contact evaluations by status."""
+    """Candidates and contact evaluations by status; accepted candidates with both sides loaded."""
 
     counts: Counter[str] = field(default_factory=Counter)
     evaluations: Counter[str] = field(default_factory=Counter)
+    two_sided: int = 0
 
     def add(self, record: dict[str, Any]) -> None:
         """Add a part's."""
         self.counts.update(record["counts"])
         self.evaluations.update(record["evaluations"])
+        self.two_sided += record["two_sided"]
 
     def merge(self, other: Tally) -> None:
         """Add another tally."""
         self.counts.update(other.counts)
         self.evaluations.update(other.evaluations)
+        self.two_sided += other.two_sided
 
     @property
     def candidates(self) -> int:
@@ -64,12 +70,6 @@ class Tally:
     def solver_evaluations(self) -> int:
         """Contact evaluations spent on candidates that statics allow."""
         return self.evaluations.total() - sum(self.evaluations[reason] for reason in INFEASIBLE)
-
-
-def round_chunks(domain: int, round_number: int, round_size: int, rows: int) -> Iterator[Chunk]:
-    """The chunks of a round, in order."""
-    for start in range(0, round_size, rows):
-        yield Chunk(domain, round_number, round_size, start, min(start + rows, round_size))
 
 
 class CandidateStore:
@@ -101,6 +101,18 @@ class CandidateStore:
         """A chunk's part file."""
         folder = self._directory / f"domain-{chunk.domain}" / f"round-{chunk.round_number:02d}"
         return folder / f"part-{chunk.start // self._plan.chunk_rows:05d}.parquet"
+
+    def accepted(self, chunk: Chunk, columns: list[str] | None = None) -> pa.Table:
+        """The accepted candidates of an evaluated chunk, or some of their columns."""
+        wanted = None if columns is None else [*columns, "status"]
+        table = read_part(self.path(chunk), wanted)
+        good = [status == ACCEPTED for status in table.column("status").to_pylist()]
+        return table.filter(pa.array(good, pa.bool_()))
+
+    def accepted_ids(self, chunk: Chunk, column: str = "candidate") -> NDArray[np.uint64]:
+        """Their ids, or another column of ids."""
+        ids: NDArray[np.uint64] = self.accepted(chunk, [column]).column(column).to_numpy()
+        return ids
 
     def evaluate(
         self, chunks: Iterator[Chunk], domain: SamplingDomain

@@ -42,7 +42,10 @@ class Dataset:
         domain: (n,) the paper's numbers.
         split: (n,) ``train`` or ``test``.
         candidate: (n,) ids.
-        prescribed_loads: (n, 2) the total Fy [N] and Mx [Nm] that were asked for.
+        source: (n,) the candidate whose hash decided the split: of a raised copy, its point's.
+        two_sided: (n,) whether both sides carry Fy > 0.
+        prescribed_loads: (n, 2) the total Fy [N] and Mx [Nm] that were asked for, NaN where θx or
+            the pose was.
         max_depth: (n,) greatest penetration [m], NaN where the solver did not say.
         evaluations: (n,) contact evaluations spent on the sample.
         manifest: The manifest.
@@ -53,6 +56,8 @@ class Dataset:
     domain: NDArray[np.int64]
     split: NDArray[np.str_]
     candidate: NDArray[np.uint64]
+    source: NDArray[np.uint64]
+    two_sided: NDArray[np.bool_]
     prescribed_loads: NDArray[np.float64]
     max_depth: NDArray[np.float64]
     evaluations: NDArray[np.int64]
@@ -93,6 +98,8 @@ class Dataset:
             domain=table.column("domain").to_numpy().astype(np.int64),
             split=np.array(table.column("split").to_pylist(), dtype=np.str_),
             candidate=table.column("candidate").to_numpy(),
+            source=table.column("source").to_numpy(),
+            two_sided=table.column("two_sided").to_numpy(),
             prescribed_loads=columns_array(table, PRESCRIBED_LOADS),
             max_depth=table.column("max_depth").to_numpy(),
             evaluations=table.column("evaluations").to_numpy().astype(np.int64),
@@ -117,7 +124,7 @@ class Candidates:
     """All candidates of one domain, accepted or not, the pilot left out.
 
     Attributes:
-        prescribed: (n, 6), columns PRESCRIBED_COLUMNS.
+        prescribed: (n, 6), columns PRESCRIBED_COLUMNS; NaN where y or θx was prescribed instead.
         status: (n,) ``accepted`` or the reason of the rejection.
         candidate: (n,) ids.
     """

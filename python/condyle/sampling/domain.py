@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sampling domain is: a map from the unit cube to prescribed equilibria.
+"""What a sampling domain is: a region of the design space that candidates are drawn from.
 
 The domains' numbers are the paper's (Marra 2017, Table 1).
 """
 
 from __future__ import annotations
 
-from typing import Final, Protocol
+from abc import ABC, abstractmethod
+from typing import ClassVar, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from condyle.sampling.chunk import Chunk, cube_points
 from condyle.sampling.equilibrium_protocol import Prescribed
 
 #: Domain number → what it is called.
@@ -41,8 +43,15 @@ class SamplingDomain(Protocol):
     def number(self) -> int:
         """The paper's number of it."""
 
-    def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:
-        """The equilibria that points (n, 6) of the unit cube stand for."""
+    @property
+    def contact_free(self) -> bool:
+        """Whether a candidate that touches does not belong to the domain."""
+
+    def draw(self, chunk: Chunk, seed: int) -> Prescribed:
+        """The chunk's candidates."""
+
+    def sources(self, chunk: Chunk) -> NDArray[np.uint64]:
+        """For each of them the candidate whose hash decides its split: (n,)."""
 
     def envelope(self) -> NDArray[np.float64]:
         """Points (m, 6), columns PRESCRIBED_COLUMNS, that span the domain.
@@ -52,3 +61,21 @@ class SamplingDomain(Protocol):
 
     def describe(self) -> dict[str, object]:
         """Everything that defines the domain, for a manifest."""
+
+
+class CubeDomain(ABC):
+    """A domain that is the image of the unit cube: a round is one Hammersley set."""
+
+    contact_free: ClassVar[bool] = False
+
+    @abstractmethod
+    def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:
+        """The equilibria that points (n, 6) of the unit cube stand for."""
+
+    def draw(self, chunk: Chunk, seed: int) -> Prescribed:
+        """The chunk's candidates."""
+        return self.prescribe(cube_points(chunk, seed))
+
+    def sources(self, chunk: Chunk) -> NDArray[np.uint64]:
+        """Each candidate stands for itself."""
+        return chunk.ids()

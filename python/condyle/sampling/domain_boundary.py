@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from condyle.sampling.domain import CubeDomain
 from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, Prescribed
 from condyle.sampling.principal_axes import PrincipalBox
 from condyle.sampling.reference_curves import ReferenceCurves
@@ -24,7 +25,7 @@ _POSE_VARIABLES = ("x", "z", "theta_y", "theta_z")
 
 
 @dataclass(frozen=True)
-class ContactBoundaryDomain:
+class ContactBoundaryDomain(CubeDomain):
     """See the module docstring.
 
     Attributes:

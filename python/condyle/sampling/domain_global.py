@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from condyle.sampling.domain import CubeDomain
 from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, Prescribed
 from condyle.sampling.principal_axes import PrincipalBox
 from condyle.sampling.reference_curves import ReferenceCurves
@@ -22,7 +23,7 @@ from condyle.sampling.thickening import thickened
 
 
 @dataclass(frozen=True)
-class GlobalDomain:
+class GlobalDomain(CubeDomain):
     """See the module docstring.
 
     Attributes:

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
-from condyle.contact import ContactModel, MeshContact
+import numpy as np
+
+from condyle.contact import ContactModel, Derivatives, MeshContact
 from condyle.errors import InputDataError
-from condyle.fdk import StaticEquilibriumSettings, solve_static_equilibria
+from condyle.fdk import StaticEquilibriumSettings
+from condyle.fdk import StaticEquilibriumSolver as EquilibriumSolver
 from condyle.sampling.equilibrium_protocol import Prescribed, Solved, StaticEquilibriumSolver
 
 
@@ -34,16 +37,21 @@ def equilibrium_solver(
             f"sampling plan's max_depth {max_depth:.6g} m; they must be the same"
         )
 
+    # One for the whole run: its map of first touches is as dear as several hundred samples.
+    solver = EquilibriumSolver(model, settings)
+
     def solve(prescribed: Prescribed) -> Solved:
-        equilibria = solve_static_equilibria(
-            model,
+        if prescribed.pose_given:
+            return _evaluated(model, prescribed, threads)
+        tilted = prescribed.theta_x_given
+        equilibria = solver.solve(
             prescribed.x,
             prescribed.z,
             prescribed.theta_y,
             prescribed.theta_z,
             prescribed.Fy,
-            prescribed.Mx,
-            settings=settings,
+            None if tilted else prescribed.Mx,
+            theta_x=prescribed.theta_x if tilted else None,
             threads=threads,
         )
         return Solved(
@@ -54,3 +62,16 @@ def equilibrium_solver(
         )
 
     return solve
+
+
+def _evaluated(model: ContactModel, prescribed: Prescribed, threads: int) -> Solved:
+    """Poses to evaluate once; nothing is to be solved for."""
+    poses = prescribed.to_poses()
+    loads = model.evaluate(poses, Derivatives.none, threads)
+    deep = np.asarray(loads.implausible_depth, dtype=bool)
+    return Solved(
+        poses,
+        np.asarray(loads.wrench),
+        np.where(deep, "overclosure", "converged"),
+        np.ones(len(poses), dtype=np.int64),
+    )

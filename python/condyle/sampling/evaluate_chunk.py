@@ -8,7 +8,6 @@ evaluate any chunk.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -16,27 +15,28 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from condyle.conventions import LOAD_COLUMNS, POSE_COLUMNS, WRENCH_COLUMNS
+from condyle.sampling.chunk import Chunk
 from condyle.sampling.domain import SamplingDomain
 from condyle.sampling.equilibrium_protocol import (
     CONVERGED,
-    PRESCRIBED_COLUMNS,
+    GIVEN_COLUMNS,
     SOLVER_STATUSES,
     Prescribed,
     Solved,
     StaticEquilibriumSolver,
     check_solved,
 )
-from condyle.sampling.hammersley import hammersley, seeded_shift
 from condyle.sampling.part_files import CANDIDATE_SCHEMA
 from condyle.sampling.plan import SamplingPlan
-from condyle.sampling.selection import candidate_ids
 
 ACCEPTED: Final = "accepted"
 #: Reasons known before a solver is asked: contact cannot pull, and no component articulates that
 #: far.
 NON_COMPRESSIVE: Final = "non_compressive"
 BEYOND_RANGE: Final = "beyond_range"
-REJECTIONS: Final = (NON_COMPRESSIVE, BEYOND_RANGE, *SOLVER_STATUSES[1:])
+#: A pose of a domain that lies beyond contact, and touches.
+IN_CONTACT: Final = "in_contact"
+REJECTIONS: Final = (NON_COMPRESSIVE, BEYOND_RANGE, *SOLVER_STATUSES[1:], IN_CONTACT)
 #: Statically impossible: not the solver's failures, so they do not count in its cost per sample.
 INFEASIBLE: Final = (NON_COMPRESSIVE, BEYOND_RANGE, "no_equilibrium")
 
@@ -45,29 +45,6 @@ INFEASIBLE: Final = (NON_COMPRESSIVE, BEYOND_RANGE, "no_equilibrium")
 LOAD_RELATIVE_TOLERANCE: Final = 1e-3
 FY_TOLERANCE: Final = 0.01
 MX_TOLERANCE: Final = 0.0005
-
-_PILOT_ROUND: Final = 0
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """Candidates ``start`` to ``stop`` of a round, which is a Hammersley set of ``round_size``."""
-
-    domain: int
-    round_number: int
-    round_size: int
-    start: int
-    stop: int
-
-    def record(self) -> dict[str, int]:
-        """What identifies the chunk, for its part file."""
-        return {
-            "domain": self.domain,
-            "round": self.round_number,
-            "round_size": self.round_size,
-            "start": self.start,
-            "stop": self.stop,
-        }
 
 
 def evaluate_chunk(
@@ -78,15 +55,17 @@ def evaluate_chunk(
     Returns:
         A table in candidate order with CANDIDATE_SCHEMA
         (poses and wrenches are NaN where the candidate is rejected)
-        and ``{"counts": {status: candidates}, "evaluations": {status: contact evaluations}}``.
+        and ``{"counts": {status: candidates}, "evaluations": {status: contact evaluations},
+        "two_sided": accepted candidates with a load on both sides}``.
     """
-    prescribed = domain.prescribe(_unit_points(chunk, plan))
+    prescribed = domain.draw(chunk, plan.seed)
     count = len(prescribed)
     status = np.full(count, ACCEPTED, dtype=object)
     status[(prescribed.theta_z < plan.min_theta_z) | (prescribed.theta_z > plan.max_theta_z)] = (
         BEYOND_RANGE
     )
-    status[~(prescribed.Fy > 0)] = NON_COMPRESSIVE
+    if not prescribed.pose_given:
+        status[~(prescribed.Fy > 0)] = NON_COMPRESSIVE
     poses = np.full((count, 6), np.nan)
     wrenches = np.full((count, 2, 6), np.nan)
     max_depth = np.full(count, np.nan)
@@ -97,6 +76,9 @@ def evaluate_chunk(
         solved = solver(asked)
         check_solved(solved, len(asked))
         verdict = _verdicts(asked, solved, plan.max_depth)
+        if domain.contact_free:
+            touching = np.any(np.asarray(solved.wrenches) != 0.0, axis=(1, 2))
+            verdict[(verdict == ACCEPTED) & touching] = IN_CONTACT
         status[feasible] = verdict
         evaluations[feasible] = solved.evaluations
         # Where a solver stopped on a failed candidate is its own business: NaN keeps it out of the
@@ -106,21 +88,17 @@ def evaluate_chunk(
         wrenches[rows[good]] = np.asarray(solved.wrenches)[good]
         if solved.max_depth is not None:
             max_depth[rows[good]] = np.asarray(solved.max_depth)[good]
+    two_sided = np.all(wrenches[:, :, LOAD_COLUMNS.index("Fy")] > 0, axis=1)
     tally = {
         "counts": dict(Counter(status.tolist())),
         "evaluations": {
             name: int(evaluations[status == name].sum()) for name in sorted(set(status.tolist()))
         },
+        "two_sided": int(two_sided.sum()),
     }
-    return _table(chunk, status, prescribed, poses, wrenches, max_depth, evaluations), tally
-
-
-def _unit_points(chunk: Chunk, plan: SamplingPlan) -> NDArray[np.float64]:
-    """Pilot and first round are Hammersley sets as they are; later rounds have their own shift."""
-    shift = None
-    if chunk.round_number > _PILOT_ROUND + 1:
-        shift = seeded_shift(plan.seed, f"domain {chunk.domain} round {chunk.round_number}")
-    return hammersley(chunk.round_size, start=chunk.start, stop=chunk.stop, shift=shift)
+    flags = {"source": domain.sources(chunk), "two_sided": two_sided}
+    solution = {"max_depth": max_depth, "evaluations": evaluations.astype(np.int32)}
+    return _table(chunk, status, prescribed, poses, wrenches, flags | solution), tally
 
 
 def _verdicts(asked: Prescribed, solved: Solved, max_depth: float) -> NDArray[Any]:
@@ -128,11 +106,13 @@ def _verdicts(asked: Prescribed, solved: Solved, max_depth: float) -> NDArray[An
     verdict = np.asarray(solved.status).astype(object)
     converged = verdict == CONVERGED
     total = np.asarray(solved.wrenches).sum(axis=1)
-    off_Fy = np.abs(total[:, LOAD_COLUMNS.index("Fy")] - asked.Fy)
-    off_Mx = np.abs(total[:, LOAD_COLUMNS.index("Mx")] - asked.Mx)
+    # NaN where the pose is prescribed instead: there is nothing to meet.
+    off_Fy = np.nan_to_num(np.abs(total[:, LOAD_COLUMNS.index("Fy")] - asked.Fy))
+    off_Mx = np.nan_to_num(np.abs(total[:, LOAD_COLUMNS.index("Mx")] - asked.Mx))
     # The solver sums the sides in its own order: a few eps of the load on top of the tolerance.
-    met = (off_Fy <= (LOAD_RELATIVE_TOLERANCE * np.abs(asked.Fy) + FY_TOLERANCE) * (1 + 1e-9)) & (
-        off_Mx <= (LOAD_RELATIVE_TOLERANCE * np.abs(asked.Mx) + MX_TOLERANCE) * (1 + 1e-9)
+    some = LOAD_RELATIVE_TOLERANCE * np.abs(np.nan_to_num([asked.Fy, asked.Mx]))
+    met = (off_Fy <= (some[0] + FY_TOLERANCE) * (1 + 1e-9)) & (
+        off_Mx <= (some[1] + MX_TOLERANCE) * (1 + 1e-9)
     )
     finite = np.all(np.isfinite(solved.poses), axis=1) & np.all(
         np.isfinite(solved.wrenches), axis=(1, 2)
@@ -150,18 +130,16 @@ def _table(
     prescribed: Prescribed,
     poses: NDArray[np.float64],
     wrenches: NDArray[np.float64],
-    max_depth: NDArray[np.float64],
-    evaluations: NDArray[np.int64],
+    others: dict[str, NDArray[Any]],
 ) -> pa.Table:
     flat = wrenches.reshape(len(wrenches), -1)
     columns = {
-        "candidate": candidate_ids(chunk.domain, chunk.round_number, chunk.start, chunk.stop),
+        "candidate": chunk.ids(),
         "status": status.tolist(),
-        **{f"prescribed_{name}": getattr(prescribed, name) for name in PRESCRIBED_COLUMNS},
+        **{f"prescribed_{name}": getattr(prescribed, name) for name in GIVEN_COLUMNS},
         **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
         **{name: flat[:, i] for i, name in enumerate(WRENCH_COLUMNS)},
-        "max_depth": max_depth,
-        "evaluations": evaluations.astype(np.int32),
+        **others,
     }
     return pa.table(
         [pa.array(columns[field.name], type=field.type) for field in CANDIDATE_SCHEMA],

@@ -25,7 +25,7 @@ from condyle.sampling.plan import SamplingPlan
 from condyle.sampling.reference_curves import ReferenceCurves
 from condyle.whole_files import content_hash, to_canonical_json
 
-FORMAT: Final = "condyle samples 1"
+FORMAT: Final = "condyle samples 2"
 MANIFEST_NAME: Final = "manifest.json"
 _DESIGN_KEYS: Final = ("format", "identity", "plan", "curves")
 _FRAMES: Final = {

@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 
 from condyle.conventions import LOAD_COLUMNS, LOAD_UNITS, POSE_COLUMNS, WRENCH_COLUMNS
 from condyle.errors import InputDataError
-from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS
+from condyle.sampling.equilibrium_protocol import GIVEN_COLUMNS
 
 #: Column → unit; what is not here is a number, name or id.
 UNITS: Final = {
@@ -29,10 +29,10 @@ UNITS: Final = {
     **dict.fromkeys(("theta_x", "theta_y", "theta_z"), "rad"),
     **{name: unit for name, unit in zip(WRENCH_COLUMNS, LOAD_UNITS * 2, strict=True)},
     **{
-        f"prescribed_{name}": ("m" if name in ("x", "z") else "rad")
+        f"prescribed_{name}": ("m" if name in ("x", "y", "z") else "rad")
         if name in POSE_COLUMNS
         else LOAD_UNITS[LOAD_COLUMNS.index(name)]
-        for name in PRESCRIBED_COLUMNS
+        for name in GIVEN_COLUMNS
     },
 }
 #: The loads that an equilibrium was asked for; the pose columns hold the rest of what was
@@ -59,12 +59,16 @@ _SOLVED = {
     **dict.fromkeys((*POSE_COLUMNS, *WRENCH_COLUMNS, "max_depth"), pa.float64()),
     "evaluations": pa.int32(),
 }
+#: ``source``: the candidate whose hash decides the split; another one's for a raised copy of it.
+#: ``two_sided``: both sides carry Fy > 0.
+_FLAGS = {"source": pa.uint64(), "two_sided": pa.bool_()}
 CANDIDATE_SCHEMA: Final = _schema(
     {
         "candidate": pa.uint64(),
         "status": pa.string(),
-        **{f"prescribed_{name}": pa.float64() for name in PRESCRIBED_COLUMNS},
+        **{f"prescribed_{name}": pa.float64() for name in GIVEN_COLUMNS},
         **_SOLVED,
+        **_FLAGS,
     }
 )
 SAMPLE_SCHEMA: Final = _schema(
@@ -74,6 +78,7 @@ SAMPLE_SCHEMA: Final = _schema(
         "split": pa.string(),
         **dict.fromkeys(PRESCRIBED_LOADS, pa.float64()),
         **_SOLVED,
+        **_FLAGS,
     }
 )
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from condyle.errors import InputDataError
+from condyle.sampling.domain import PAPER_COUNTS
 
-DOMAINS_AVAILABLE: Final = (2, 4)
+DOMAINS_AVAILABLE: Final = (1, 2, 3, 4, 5, 6)
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,11 @@ class DomainTarget:
                 f"sampling plan: domain {self.domain} has train = {self.train} and "
                 f"test = {self.test}; at least 1 and 0 are needed"
             )
+        if self.domain == 1 and self.test:
+            raise InputDataError(
+                f"sampling plan: domain 1 has test = {self.test}; it must be 0: "
+                "simulated activities test that domain"
+            )
 
     @property
     def total(self) -> int:
@@ -53,7 +59,8 @@ class SamplingPlan:
     """See the module docstring.
 
     Attributes:
-        targets: What to keep, one target a domain.
+        targets: What to keep, one target a domain, in the domains' order. Domains 5 and 6 start from
+            domain 4's samples.
         seed: Keys the selection and the split, and shifts every round after the first.
         max_depth: Overclosure beyond which a sample is rejected [m] (the paper's filter).
         widening: Length of a widened score range over the curves' own.
@@ -62,6 +69,9 @@ class SamplingPlan:
         margin_theta_y: Likewise in θy [rad].
         boundary_max_Fy: Domain 4 has Fy in [0, this] [N].
         boundary_max_Mx: Domain 4 has Mx in ± this [Nm].
+        single_sided_max_Fy: Domain 3 has Fy in [0, this] [N].
+        envelope_points: Samples a time frame in domain 1; so many time frames share its target.
+        far_max_y: Domain 6 reaches up to this y [m].
         min_theta_z: Candidates flexed further are infeasible [rad]: no component articulates beyond
             120° of flexion.
         max_theta_z: Candidates extended further are infeasible [rad]: 15° of hyperextension.
@@ -83,6 +93,9 @@ class SamplingPlan:
     margin_theta_y: float = math.radians(1.0)
     boundary_max_Fy: float = 100.0
     boundary_max_Mx: float = 5.0
+    single_sided_max_Fy: float = 100.0
+    envelope_points: int = 20
+    far_max_y: float = 0.1
     min_theta_z: float = math.radians(-120.0)
     max_theta_z: float = math.radians(15.0)
     pilot: int = 512
@@ -98,11 +111,17 @@ class SamplingPlan:
             InputDataError: A value outside its limits; the message names the field, the value and
                 the limit.
         """
-        object.__setattr__(self, "targets", tuple(self.targets))
+        ordered = sorted(self.targets, key=lambda target: target.domain)
+        object.__setattr__(self, "targets", tuple(ordered))
         numbers = [target.domain for target in self.targets]
         if not numbers or len(set(numbers)) != len(numbers):
             raise InputDataError(
                 f"sampling plan: targets are for domains {numbers}; each domain once, at least one"
+            )
+        if 4 not in numbers and (5 in numbers or 6 in numbers):
+            raise InputDataError(
+                f"sampling plan: targets are for domains {numbers}; 5 and 6 start from the samples "
+                "of 4, which is needed too"
             )
         limits = {
             "seed": (0, 2**63 - 1),
@@ -113,6 +132,9 @@ class SamplingPlan:
             "margin_theta_y": (0.0, 0.5),
             "boundary_max_Fy": (1e-3, 1e5),
             "boundary_max_Mx": (1e-6, 1e4),
+            "single_sided_max_Fy": (1e-3, 1e5),
+            "envelope_points": (1, 1_000_000),
+            "far_max_y": (1e-3, 1.0),
             "min_theta_z": (-math.pi, 0.0),
             "max_theta_z": (0.0, math.pi),
             "pilot": (16, 1_000_000),
@@ -130,7 +152,10 @@ class SamplingPlan:
 
     @classmethod
     def preset(cls, name: str, *, seed: int) -> SamplingPlan:
-        """A plan in the paper's proportions: ``quick`` (7 000 samples), ``standard`` (14 000).
+        """A plan by name.
+
+        ``quick`` (7 000 samples) and ``standard`` (14 000) cover domains 2 and 4; ``paper`` has the
+        paper's 154 310 in all six domains, ``paper_tenth`` a tenth of each.
 
         Raises:
             InputDataError: No such preset.
@@ -171,8 +196,18 @@ class SamplingPlan:
         }
 
 
-#: Train : test is the paper's 85 : 15; domain 2 : domain 4 about its 2.6 : 1.
+#: The paper's counts are its Table 1's; the others keep its train : test of 85 : 15, and domain 2 :
+#: domain 4 about its 2.6 : 1.
 _PRESETS: Final = {
     "quick": (DomainTarget(2, 4_250, 750), DomainTarget(4, 1_700, 300)),
     "standard": (DomainTarget(2, 8_500, 1_500), DomainTarget(4, 3_400, 600)),
+    "paper_tenth": (
+        DomainTarget(1, 1_806, 0),
+        DomainTarget(2, 2_725, 342),
+        DomainTarget(3, 1_000, 177),
+        DomainTarget(4, 999, 176),
+        DomainTarget(5, 6_776, 1_196),
+        DomainTarget(6, 200, 35),
+    ),
+    "paper": tuple(DomainTarget(domain, *counts) for domain, counts in PAPER_COUNTS.items()),
 }

@@ -21,7 +21,7 @@ class SamplingProgress:
         done: Candidates evaluated in this round.
         round_size: Candidates of this round.
         accepted: Accepted in the domain so far; the pilot's are not counted.
-        target: To be kept in the domain.
+        target: To be accepted in the domain: what it keeps, and what another one takes from it.
     """
 
     domain: int
@@ -46,6 +46,7 @@ class DomainReport:
         candidates: Evaluated, the pilot not counted.
         accepted: Of these.
         rejected: Of these, by reason.
+        two_sided: Of the accepted ones, those with a load on both sides.
         rounds: Rounds drawn.
         solver_evaluations: Contact evaluations spent on candidates that statics allow.
     """
@@ -56,6 +57,7 @@ class DomainReport:
     candidates: int
     accepted: int
     rejected: Mapping[str, int]
+    two_sided: int
     rounds: int
     solver_evaluations: int
 
@@ -92,6 +94,7 @@ class DomainReport:
             candidates=entry["candidates"],
             accepted=entry["accepted"],
             rejected=dict(entry["rejected"]),
+            two_sided=entry["two_sided"],
             rounds=len(entry["rounds"]),
             solver_evaluations=sum(
                 n for status, n in evaluations.items() if status not in INFEASIBLE
@@ -113,6 +116,7 @@ class DomainReport:
             "acceptance": self.acceptance,
             "feasible_acceptance": self.feasible_acceptance,
             "rejected": dict(self.rejected),
+            "two_sided": self.two_sided,
             "rounds": self.rounds,
             "evaluations_per_accepted": self.evaluations_per_accepted,
         }

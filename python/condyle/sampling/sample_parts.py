@@ -14,13 +14,11 @@ from typing import Any, Final
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from condyle.sampling.candidate_store import CandidateStore
-from condyle.sampling.evaluate_chunk import ACCEPTED, Chunk
+from condyle.sampling.domain_run import DomainRun
 from condyle.sampling.part_files import SAMPLE_SCHEMA, damaged, encode_part, read_part
-from condyle.sampling.plan import DomainTarget, SamplingPlan
-from condyle.sampling.selection import DROPPED, SPLIT_NAMES, assign_splits
+from condyle.sampling.selection import DROPPED, SPLIT_NAMES
 from condyle.whole_files import content_hash, write_whole
 
 SAMPLES_FOLDER: Final = "samples"
@@ -28,26 +26,19 @@ _PART_ROWS: Final = 8192
 
 
 def write_sample_parts(
-    directory: Path,
-    design_hash: str,
-    plan: SamplingPlan,
-    store: CandidateStore,
-    chunks: Mapping[int, Sequence[Chunk]],
+    directory: Path, design_hash: str, store: CandidateStore, runs: Sequence[DomainRun]
 ) -> list[dict[str, Any]]:
-    """Select, split and write the samples of evaluated chunks (by domain).
+    """Select, split and write the samples of complete runs.
 
     Returns:
         The manifest's ``parts``: file, rows and sha256 of each.
     """
     parts: list[dict[str, Any]] = []
-    for target in plan.targets:
-        splits = _splits(plan, target, store, chunks[target.domain])
-        tables = _sample_tables(target.domain, splits, store, chunks[target.domain])
-        for number, table in enumerate(_of_rows(tables, _PART_ROWS)):
-            file = f"{SAMPLES_FOLDER}/domain-{target.domain}-part-{number:05d}.parquet"
-            content = encode_part(
-                table, {"design": design_hash, "domain": target.domain, "part": number}
-            )
+    for run in runs:
+        domain = run.target.domain
+        for number, table in enumerate(_of_rows(_sample_tables(run, store), _PART_ROWS)):
+            file = f"{SAMPLES_FOLDER}/domain-{domain}-part-{number:05d}.parquet"
+            content = encode_part(table, {"design": design_hash, "domain": domain, "part": number})
             write_whole(directory / file, content)
             parts.append({"file": file, "rows": table.num_rows, "sha256": content_hash(content)})
     return parts
@@ -86,48 +77,24 @@ def read_sample_part(directory: Path, part: Mapping[str, Any]) -> pa.Table:
     return read_part(path)
 
 
-def _splits(
-    plan: SamplingPlan, target: DomainTarget, store: CandidateStore, chunks: Sequence[Chunk]
-) -> dict[Chunk, NDArray[np.int8]]:
-    """The split of every accepted candidate, in candidate order, by chunk."""
-    ids = []
-    for chunk in chunks:
-        table = read_part(store.path(chunk), ["candidate", "status"])
-        ids.append(table.column("candidate").to_numpy()[_accepted(table)])
-    splits = assign_splits(
-        np.concatenate(ids), seed=plan.seed, train=target.train, test=target.test
-    )
-    ends = np.cumsum([len(part) for part in ids])[:-1]
-    return dict(zip(chunks, np.split(splits, ends), strict=True))
-
-
-def _sample_tables(
-    domain: int,
-    splits: Mapping[Chunk, NDArray[np.int8]],
-    store: CandidateStore,
-    chunks: Sequence[Chunk],
-) -> Iterator[pa.Table]:
+def _sample_tables(run: DomainRun, store: CandidateStore) -> Iterator[pa.Table]:
     """The samples of each chunk, columns of SAMPLE_SCHEMA."""
     names = np.array(SPLIT_NAMES, dtype=object)
-    for chunk in chunks:
-        table = read_part(store.path(chunk))
-        kept = splits[chunk] != DROPPED
-        table = table.filter(pa.array(_accepted(table))).filter(pa.array(kept))
+    splits = run.splits()
+    for chunk in run.chunks:
+        table = store.accepted(chunk)
+        here, splits = np.split(splits, [table.num_rows])
+        kept = here != DROPPED
+        table = table.filter(pa.array(kept))
         extra = {
-            "domain": pa.array(np.full(table.num_rows, domain), pa.int8()),
-            "split": pa.array(names[splits[chunk][kept]].tolist(), pa.string()),
+            "domain": pa.array(np.full(table.num_rows, run.target.domain), pa.int8()),
+            "split": pa.array(names[here[kept]].tolist(), pa.string()),
         }
         columns = [
             extra.get(name, table[name] if name in table.column_names else None)
             for name in SAMPLE_SCHEMA.names
         ]
         yield pa.table(columns, schema=SAMPLE_SCHEMA)
-
-
-def _accepted(table: pa.Table) -> NDArray[np.bool_]:
-    return np.array(
-        [status == ACCEPTED for status in table.column("status").to_pylist()], dtype=bool
-    )
 
 
 def _of_rows(tables: Iterator[pa.Table], rows: int) -> Iterator[pa.Table]:

@@ -15,6 +15,7 @@ from condyle.study.schema import Study
 if TYPE_CHECKING:
     from condyle.activities import LoadCase
     from condyle.contact import ContactLaw, MeshContact
+    from condyle.contact.mesh_contact import IntegrationName
 
 
 @dataclass(frozen=True)
@@ -36,15 +37,18 @@ class StudyContext:
     @cached_property
     def reference(self) -> MeshContact:
         """The reference contact of the run's own implant files."""
-        return self._mesh_contact(self.study.contact.law.make())
+        contact = self.study.contact
+        return self._mesh_contact(contact.law.make(), contact.integration)
 
     @cached_property
     def pressure_contact(self) -> MeshContact:
-        """The contact for pressure maps: under ``pressure_law`` if the study names one, else the reference."""
-        law = self.study.contact.pressure_law
-        return self.reference if law is None else self._mesh_contact(law.make())
+        """The contact for pressure maps, over the insert's faces: under ``pressure_law`` if the study names one."""
+        contact = self.study.contact
+        if contact.pressure_law is None and contact.integration == "insert":
+            return self.reference
+        return self._mesh_contact((contact.pressure_law or contact.law).make(), "insert")
 
-    def _mesh_contact(self, law: ContactLaw) -> MeshContact:
+    def _mesh_contact(self, law: ContactLaw, integration: IntegrationName) -> MeshContact:
         from condyle.contact import MeshContact
 
         contact = self.study.contact
@@ -56,6 +60,7 @@ class StudyContext:
             side_of_body=self.study.implant.side_of_body,
             law=law,
             evaluation=contact.evaluation,
+            integration=integration,
             plausible_depth=1e-3 * contact.plausible_depth_mm,
             cache_directory=self.directory.cache,
         )
@@ -97,6 +102,7 @@ class StudyContext:
             "contact_law": {
                 **self.study.contact.law.make().describe(),
                 "evaluation": self.study.contact.evaluation,
+                "integration": self.study.contact.integration,
                 "plausible_depth": 1e-3 * self.study.contact.plausible_depth_mm,
             },
         }

@@ -64,12 +64,15 @@ class ContactSection(Section):
             kinematics, not pressure.
         pressure_law: the law for pressure maps alone, at the loads that ``law`` gives; ``law`` itself if not given.
         evaluation: ``fast`` (smooth distance field) or ``exact`` (the triangles themselves).
+        integration: whose faces are integrated: ``insert``, ``femur`` or ``both`` (the mean); pressure maps are always
+            of the insert's.
         plausible_depth_mm: overlaps deeper than this are flagged, and rejected by sampling.
     """
 
     law: LawSection = LinearVolumeSection()
     pressure_law: LawSection | None = None
     evaluation: Literal["fast", "exact"] = "fast"
+    integration: Literal["insert", "femur", "both"] = "insert"
     plausible_depth_mm: Annotated[float, Field(gt=0, le=10)] = 2.0
 
 
@@ -94,7 +97,7 @@ class SamplingSection(Section):
     """The sampling plan.
 
     Attributes:
-        preset: ``quick`` or ``standard`` numbers of samples.
+        preset: numbers of samples: ``quick`` or ``standard`` (domains 2 and 4), ``paper_tenth`` or ``paper`` (all six).
         targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``.
         seed: of the design and of the split.
         margin_x_mm: reference curves are thickened by ± this in x before the domains are drawn around them.
@@ -102,9 +105,10 @@ class SamplingSection(Section):
         margin_theta_y_deg: likewise in θy.
     """
 
-    preset: Literal["quick", "standard"] = "quick"
+    preset: Literal["quick", "standard", "paper_tenth", "paper"] = "quick"
     targets: dict[
-        Literal["2", "4"], dict[Literal["train", "test"], Annotated[int, Field(ge=1)]]
+        Literal["1", "2", "3", "4", "5", "6"],
+        dict[Literal["train", "test"], Annotated[int, Field(ge=0)]],
     ] = Field(default_factory=dict)
     seed: Seed = 2017
     margin_x_mm: Annotated[float, Field(ge=0, le=20)] = 1.0

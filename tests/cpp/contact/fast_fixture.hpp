@@ -7,10 +7,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
-#include "condyle/contact/fast_evaluation.hpp"
+#include "condyle/contact/contact_pair.hpp"
+#include "condyle/contact/fast_integral.hpp"
 #include "support/random_pose.hpp"
 
 namespace condyle::test {
@@ -20,7 +24,7 @@ struct TorusPair {
 
   Matrix3 tilt;  // F to the torus's own frame
   std::shared_ptr<const geometry::DistanceField> field;
-  contact::Compartments compartments;
+  std::array<contact::SurfaceFaces, kSides> compartments;
   Pose pose;  // nominal: overlap of about 1 mm on both sides
 
   double distance(const Vector3& p_F) const {
@@ -51,7 +55,7 @@ struct TorusPair {
  private:
   // Points on a shallow dish about a place on the torus's outer rim, 1 mm deep in the middle, out
   // of contact at its edge.
-  contact::CompartmentFaces patch(const RigidTransform& X_TF, double angle, int n,
+  contact::SurfaceFaces patch(const RigidTransform& X_TF, double angle, int n,
                                   Draw& draw) const {
     const double u = angle, v = 0.3 * angle;  // around the axis; around the tube
     const Vector3 out(std::cos(v) * std::cos(u), std::cos(v) * std::sin(u), std::sin(v));
@@ -59,7 +63,7 @@ struct TorusPair {
     const Vector3 normal = X_TF.R * tilt.transpose() * out;
     const Vector3 centre = X_TF * (tilt.transpose() * (ring + (kMinor - 1e-3) * out));
     const Vector3 s = normal.cross(Vector3(0.3, 0.5, -0.8)).normalized(), t = normal.cross(s);
-    contact::CompartmentFaces faces;
+    contact::SurfaceFaces faces;
     faces.centroids.resize(n * n, 3);
     faces.areas.resize(n * n);
     faces.normals.resize(n * n, 3);
@@ -74,5 +78,17 @@ struct TorusPair {
     return faces;
   }
 };
+
+/// Both compartments integrated against the field.
+inline contact::ContactPair fast_pair(
+    const std::shared_ptr<const geometry::DistanceField>& field,
+    const std::array<contact::SurfaceFaces, kSides>& compartments, const contact::ContactLaw& law,
+    contact::InstructionSet set = contact::best_instruction_set()) {
+  std::vector<contact::ContactPair::Compartment> parts;
+  for (const auto& faces : compartments) {
+    parts.push_back({contact::make_fast_integral(field, faces, law, set), nullptr});
+  }
+  return contact::ContactPair(std::move(parts));
+}
 
 }  // namespace condyle::test

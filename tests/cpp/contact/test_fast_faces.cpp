@@ -11,9 +11,9 @@
 namespace condyle::contact::fast {
 namespace {
 
-CompartmentFaces scattered(int count) {
+SurfaceFaces scattered(int count) {
   test::Draw draw(51);
-  CompartmentFaces faces;
+  SurfaceFaces faces;
   faces.centroids.resize(count, 3);
   faces.areas.resize(count);
   faces.normals.resize(count, 3);
@@ -31,7 +31,7 @@ TEST_CASE(
     "faces") {
   for (const int count : {1, 3, 16, 17, 127, 128, 129, 1000}) {
     CAPTURE(count);
-    const CompartmentFaces faces = scattered(count);
+    const SurfaceFaces faces = scattered(count);
     const SortedFaces sorted(faces);
     const FacesView v = sorted.faces();
     const ClustersView c = sorted.clusters();
@@ -48,6 +48,7 @@ TEST_CASE(
     }
     for (int f = 0; f < c.face_count; ++f) {
       if (v.area[f] > 0.0) found.push_back({v.area[f], v.x[f], v.z[f], v.nx[f]});
+      CHECK(faces.centroids(sorted.order()[static_cast<std::size_t>(f)], 0) == v.x[f]);
       for (const Cluster& ball :
            {c.leaves[f / kLeafFaces], c.parents[f / (kLeafFaces * kParentLeaves)]}) {
         const Vector3 p(v.x[f], v.y[f], v.z[f]),
@@ -72,7 +73,7 @@ TEST_CASE("[property] leaves are compact") {
 }
 
 TEST_CASE("[property] no faces, no clusters") {
-  CompartmentFaces none = scattered(5);
+  SurfaceFaces none = scattered(5);
   none.areas.setZero();
   const SortedFaces sorted(none);
   CHECK(sorted.clusters().parent_count == 0);

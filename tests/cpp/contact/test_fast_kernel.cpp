@@ -14,7 +14,7 @@ namespace condyle::contact {
 namespace {
 
 // W = c d³/3, so that p = c d² and p′ = 2 c d.
-void square_law(const void* law, const double* d, int n, double* energy, double* pressure,
+void square_law(const void* law, int, const double* d, int n, double* energy, double* pressure,
                 double* rate) {
   const double c = *static_cast<const double*>(law);
   for (int i = 0; i < n; ++i) {
@@ -26,7 +26,7 @@ void square_law(const void* law, const double* d, int n, double* energy, double*
 
 TEST_CASE("[oracle] a kernel takes any law, a group of depths at a time") {
   const test::TorusPair pair;
-  const CompartmentFaces& compartment = pair.compartments[kMedial];
+  const SurfaceFaces& compartment = pair.compartments[kMedial];
   const fast::SortedFaces faces(compartment);
   const RigidTransform X_FT = transform_TF(pair.pose).inverse();
   fast::PlacementView placement;

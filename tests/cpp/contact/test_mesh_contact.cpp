@@ -178,7 +178,7 @@ TEST_CASE(
   const ContactDetail detail = contact.evaluate_detail(pose);
   for (const Side side : {kMedial, kLateral}) {
     const FacePressure faces = contact.face_pressure(pose, side);
-    const CompartmentFaces insert = compartment_faces(contact.insert()[side]);
+    const SurfaceFaces insert = surface_faces(contact.insert()[side]);
     const auto& found = detail.sides[side];
     const double normal_force = faces.pressure.dot(insert.areas);
     CHECK(faces.depth.dot(insert.areas) == doctest::Approx(found.volume).epsilon(1e-12));

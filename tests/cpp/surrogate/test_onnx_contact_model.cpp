@@ -150,6 +150,31 @@ TEST_CASE("a batch is the same bytes for any number of threads [property]") {
   }
 }
 
+TEST_CASE("arrays hold the bytes of a batch, whatever the number of threads [property]") {
+  const OnnxContactModel model = tiny_model();
+  const auto poses = poses_about_domain(2 * 1024 + 57, 29);
+  const std::size_t n = poses.size();
+  std::vector<ContactLoads> expected(n);
+  model.evaluate_batch(poses, Derivatives::kStiffness, 1, expected);
+  for (const int threads : {1, 3}) {
+    std::vector<double> wrench(n * 12), stiffness(n * 72), error(n * 12), trust(n);
+    model.evaluate_into(poses, threads, {wrench, stiffness, error, trust, {}});
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      ContactLoads row;
+      row.trust = trust[i];
+      for (int side = 0; side < kSides; ++side) {
+        const std::size_t at = kSides * i + static_cast<std::size_t>(side);
+        row.wrench[side] = Vector6(&wrench[6 * at]);
+        row.error[side] = Vector6(&error[6 * at]);
+        row.stiffness[side] = Matrix6(&stiffness[36 * at]);
+      }
+      differing += !same_bytes(row, expected[i]);
+    }
+    CHECK(differing == 0);
+  }
+}
+
 TEST_CASE("a batch is what its poses are one by one [property]") {
   const OnnxContactModel model = tiny_model();
   // Across the border of a piece, and a last piece of one.

@@ -6,7 +6,11 @@ import pytest
 
 from condyle.contact import Derivatives, MeshContact
 from condyle.errors import InputDataError
-from condyle.fdk import StaticEquilibriumSettings, solve_static_equilibria
+from condyle.fdk import (
+    StaticEquilibriumSettings,
+    StaticEquilibriumSolver,
+    solve_static_equilibria,
+)
 
 
 def prescribed(count: int, seed: int) -> dict[str, np.ndarray]:
@@ -83,3 +87,27 @@ def test_mistakes_are_named(right_knee: MeshContact) -> None:
         InputDataError, match=r"touch search: step is 0.000000: must be above 1e-6 m"
     ):
         solve_static_equilibria(right_knee, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, settings=settings)
+
+
+def test_a_solver_kept_over_calls_gives_the_bytes_of_single_calls(right_knee):
+    solver = StaticEquilibriumSolver(right_knee)
+    rng = np.random.default_rng(3)
+    x, theta_z = rng.uniform(-2e-3, 6e-3, 8), rng.uniform(-0.9, -0.1, 8)
+    Fy = rng.uniform(80.0, 900.0, 8)
+    once = solve_static_equilibria(right_knee, x, 2e-4, 0.01, theta_z, Fy, 0.004 * Fy, threads=1)
+    tilted = solve_static_equilibria(
+        right_knee, x, 2e-4, 0.01, theta_z, Fy, theta_x=0.002, threads=1
+    )
+    mapped = []
+    for rows in (slice(5, 8), slice(0, 5), slice(0, 8)):
+        kept = solver.solve(
+            x[rows], 2e-4, 0.01, theta_z[rows], Fy[rows], 0.004 * Fy[rows], threads=1
+        )
+        assert np.array_equal(kept.poses, once.poses[rows])
+        assert np.array_equal(kept.wrenches, once.wrenches[rows])
+        mapped.append(kept.map_evaluations)
+    # The last call asks only where the map is known already.
+    assert mapped[0] > 0
+    assert mapped[2] == 0
+    again = solver.solve(x, 2e-4, 0.01, theta_z, Fy, theta_x=0.002, threads=2)
+    assert np.array_equal(again.poses, tilted.poses)

@@ -68,6 +68,7 @@ THIRD_PARTY: dict[str, str] = {
 HEADERS_WITHOUT_TEST = {
     "common/types.hpp": "names of types only",
     "contact/fast_kernel_body.hpp": "the body of the kernels, tested as such",
+    "contact/fast_points.hpp": "as fast_field.hpp",
     "contact/fast_field.hpp": "the field within the kernels, tested against DistanceField through them",
     "contact/fast_vector.hpp": "the vectors of the kernels, tested with them",
     "contact/fast_vector_avx2.hpp": "as fast_vector.hpp",

@@ -30,10 +30,14 @@ def test_tables_show_every_row_and_round_for_reading():
             "samples": {
                 "domains": [
                     {
-                        "domain": 2, "train": 8, "test": 2, "candidates": 20, "acceptance": 0.5,
+                        "domain": 2, "name": "global", "train": 8, "test": 2, "paper_train": 27_253,
+                        "paper_test": 3_416, "candidates": 20, "accepted": 10, "acceptance": 0.5,
+                        "rejected": {"no_equilibrium": 9, "overclosure": 1}, "two_sided": 7,
                         "evaluations_per_accepted": 6.25,
                     }
-                ]
+                ],
+                "train": 8,
+                "test": 2,
             },
             "sample_errors": rows,
             "simulation_loads": simulation_load_error_table("gait", WRENCHES, WRENCHES + 0.25),
@@ -42,10 +46,32 @@ def test_tables_show_every_row_and_round_for_reading():
         },
     )  # fmt: skip
     assert text.startswith("# knee\n")
-    assert "| 2 | 8 | 2 | 20 | 50.0 % | 6.2 |" in text
+    row = "| 2 global | 8 | 2 | 27253 | 3416 | 20 | 10 (50.0 %) | 9 no_equilibrium, 1 overclosure |"
+    assert row + " 70.0 % | 6.2 |" in text
+    assert "| sum | 8 | 2 | 27253 | 3416 |" in text
     assert "| all | lateral | 1234 (1234) |" in text
     assert "| gait | medial_Fy | N | 0.25 | 0.25 |" in text
     assert "| gait | 3 | 0.5 | 6 |" in text
+
+
+def test_the_error_of_the_fast_contact_is_told_by_load():
+    wrench = {
+        "count": 31, "force_median": 1e-4, "force_p99": 0.0042, "force_worst": 0.006,
+        "force_of_tolerance_p99": 0.87, "force_of_tolerance_worst": 1.6,
+        "moment_median": 2e-4, "moment_p99": 0.0053, "moment_worst": 0.007,
+        "moment_of_tolerance_p99": 0.91, "moment_of_tolerance_worst": 1.2, "worst_pose": [0.0] * 6,
+    }  # fmt: skip
+    row = {"from_force": 60.0, "to_force": 200.0, "sides": wrench, "total": wrench}
+    error = {
+        "status": "measured", "spacing": 3e-4, "poses": 31, "sides": wrench, "total": wrench,
+        "by_load": [row],
+    }  # fmt: skip
+    text = render_tables("knee", {"fast_error": error})
+    assert "31 plausible poses; field of 0.30 mm" in text
+    assert "| 60–200 N | 31 | 0.42% | 0.53% | 0.87 | 0.91 |" in text
+    assert "| all | 31 | 0.42% |" in text
+    unknown = {**error, "status": "not measured: no seated pose", "total": None}
+    assert "Error not measured: no seated pose." in render_tables("knee", {"fast_error": unknown})
 
 
 def test_a_run_without_results_has_a_title_only():

@@ -54,10 +54,14 @@ class SpringSolver:
             raise KeyboardInterrupt
         self.calls += 1
         time.sleep(self.pause)
+        if prescribed.pose_given:
+            return self._evaluate(prescribed.to_poses())
+        height = HEIGHT + 0.4 * prescribed.x**2 / SPACING + 1e-3 * np.cos(prescribed.theta_z)
+        if prescribed.theta_x_given:
+            return self._press(prescribed, height)
         force = 0.5 * (prescribed.Fy[:, None] - prescribed.Mx[:, None] / SIDE_Z)
         depth = force / STIFFNESS
         theta_x = (depth[:, 1] - depth[:, 0]) / (2 * SPACING)
-        height = HEIGHT + 0.4 * prescribed.x**2 / SPACING + 1e-3 * np.cos(prescribed.theta_z)
         y = height - depth.mean(axis=1)
         poses = np.column_stack(
             [prescribed.x, y, prescribed.z, theta_x, prescribed.theta_y, prescribed.theta_z]
@@ -68,6 +72,31 @@ class SpringSolver:
         status[force.min(axis=1) < 0] = "no_equilibrium"
         evaluations = np.where(status == "no_equilibrium", 2, 6)
         return Solved(poses, loads(poses), status, evaluations, depth.max(axis=1))
+
+    def _evaluate(self, poses: np.ndarray) -> Solved:
+        wrenches = loads(poses)
+        depth = wrenches[:, :, 1].max(axis=1) / STIFFNESS
+        status = np.where(depth > MAX_DEPTH, "overclosure", "converged")
+        return Solved(poses, wrenches, status, np.ones(len(poses), dtype=np.int64), depth)
+
+    def _press(self, prescribed: Prescribed, height: np.ndarray) -> Solved:
+        """θx given: one spring alone carries Fy unless the other one's gap closes before."""
+        tilt, load = prescribed.theta_x, prescribed.Fy / STIFFNESS
+        gap = 2 * SPACING * np.abs(tilt)
+        lower = np.where(load > gap, (load + gap) / 2, load)  # depth of the side that touches first
+        poses = np.column_stack(
+            [
+                prescribed.x,
+                height + SPACING * np.abs(tilt) - lower,
+                prescribed.z,
+                tilt,
+                prescribed.theta_y,
+                prescribed.theta_z,
+            ]
+        )
+        status = np.where(lower > MAX_DEPTH, "overclosure", "converged").astype("<U16")
+        status[np.abs(prescribed.x) > EDGE] = "off_insert"
+        return Solved(poses, loads(poses), status, np.full(len(prescribed), 4), lower)
 
 
 def spring_curves(frames: int = 90) -> ReferenceCurves:

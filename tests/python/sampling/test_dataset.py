@@ -130,7 +130,7 @@ def test_a_missing_part_is_named_and_made_again_without_solving(
     [
         (None, "holds no manifest.json: it is not a dataset of samples"),
         ("{", "manifest.json cannot be read: "),
-        ('{"format": "condyle samples 99"}', "format is 'condyle samples 99'; 'condyle samples 1'"),
+        ('{"format": "condyle samples 99"}', "format is 'condyle samples 99'; 'condyle samples 2'"),
         ("[]", "format is 'list'"),
     ],
 )

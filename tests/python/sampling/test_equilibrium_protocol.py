@@ -45,3 +45,25 @@ def test_an_answer_against_the_protocol_is_refused(
     check_solved(solved, 7)
     with pytest.raises(CondyleError, match=message):
         check_solved(dataclasses.replace(solved, **{field: value}), 7)
+
+
+def test_a_pose_or_a_tilt_may_be_prescribed_instead_of_loads() -> None:
+    poses = np.arange(18.0).reshape(3, 6)
+    whole = Prescribed.from_poses(poses)
+    assert whole.pose_given
+    assert whole.theta_x_given
+    assert np.array_equal(whole.to_poses(), poses)
+    assert np.all(np.isnan(whole.Fy) & np.isnan(whole.Mx))
+    chosen = whole.select(np.array([True, False, True]))
+    assert np.array_equal(chosen.to_poses(), poses[[0, 2]])
+    loads = Prescribed.from_array(poses)
+    assert not loads.theta_x_given
+    assert np.all(np.isnan(loads.to_poses()[:, [1, 3]]))
+
+
+def test_rows_that_differ_in_what_is_prescribed_are_refused() -> None:
+    one = np.ones(2)
+    with pytest.raises(InputDataError, match="theta_x is NaN in row 1 and not in all"):
+        Prescribed(one, one, one, one, one, one, theta_x=np.array([0.1, np.nan]))
+    with pytest.raises(InputDataError, match="y is given and theta_x is not"):
+        Prescribed(one, one, one, one, one, one, y=one)

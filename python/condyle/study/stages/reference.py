@@ -26,7 +26,9 @@ def run(context: StudyContext) -> bool:
         context.reporter.stage("reference", "building the contact model")
         seconds = {}
         made = []
-        _ = context.reference
+        error = context.reference.fast_error
+        if error is not None:
+            made.append(context.directory.write_table("fast_error", error.to_json()))
         for i, (name, load_case) in enumerate(context.load_cases.items()):
             context.reporter.progress("simulating", i / len(context.load_cases), name)
             start = time.perf_counter()
@@ -37,9 +39,10 @@ def run(context: StudyContext) -> bool:
             require_converged(name, simulation)
             made.append(file)
         made.append(context.directory.write_table("reference_seconds", seconds))
-        context.reporter.finished(
-            "reference", ", ".join(f"{name} in {s:.1f} s" for name, s in seconds.items())
-        )
+        told = [", ".join(f"{name} in {s:.1f} s" for name, s in seconds.items())]
+        if error is not None:
+            told.append(error.sentence())
+        context.reporter.finished("reference", "; ".join(told))
         return made
 
     return context.directory.run_stage("reference", inputs, work)

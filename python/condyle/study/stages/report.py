@@ -18,6 +18,7 @@ from condyle.study.simulation_files import read_simulation
 from condyle.whole_files import write_whole
 
 TABLES = (
+    "fast_error",
     "samples",
     "sample_errors",
     "simulation_loads",

@@ -36,7 +36,7 @@ def _sample(context: StudyContext) -> list[Path]:
 
     plan = _plan(context)
     total = sum(target.total for target in plan.targets)
-    domains = " and ".join(str(target.domain) for target in plan.targets)
+    domains = ", ".join(str(target.domain) for target in plan.targets)
     context.reporter.stage("sample", f"{total} samples in domains {domains}")
 
     def progress(p: SamplingProgress) -> None:

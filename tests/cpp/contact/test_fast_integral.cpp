@@ -4,8 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "condyle/contact/fast_evaluation.hpp"
-#include "condyle/contact/load_sum.hpp"
+#include "condyle/contact/fast_integral.hpp"
 #include "contact/fast_fixture.hpp"
 
 namespace condyle::contact {
@@ -25,34 +24,30 @@ Pose nearby(test::Draw& draw) {
   return pose;
 }
 
-// The same integral, face by face through DistanceField and LoadSum: slow and plain.
-SideLoads plain(const TorusPair& p, const Pose& pose, Side side, const ContactLaw& law) {
-  SideLoads loads;
-  LoadSum sum;
-  const RigidTransform X_TF = transform_TF(pose), X_FT = X_TF.inverse();
-  const CompartmentFaces& faces = p.compartments[side];
+// The same integral, face by face through DistanceField and ContactSums: slow and plain.
+CompartmentLoads plain(const TorusPair& p, const Pose& pose, Side side, const ContactLaw& law) {
+  ContactSums sums;
+  const RigidTransform X_FT = transform_TF(pose).inverse();
+  const SurfaceFaces& faces = p.compartments[side];
   for (Eigen::Index f = 0; f < faces.count(); ++f) {
-    const Vector3 c = faces.centroids.row(f);
-    const geometry::FieldValue at = p.field->evaluate(X_FT * c);
+    const Vector3 q = X_FT * Vector3(faces.centroids.row(f));
+    const geometry::FieldValue at = p.field->evaluate(q);
     if (!(at.value < 0.0)) continue;
     const LawValue value = law.at(-at.value);
-    const LoadedPoint point{c - X_TF.p, X_TF.R * at.gradient, faces.areas[f], value.pressure,
+    const LoadedPoint point{q,
+                            at.gradient,
+                            faces.areas[f],
+                            -at.value,
+                            value.energy,
+                            value.pressure,
                             value.pressure_rate};
-    sum.add(point, X_TF.R * at.hessian * X_TF.R.transpose());
-    loads.energy += faces.areas[f] * value.energy;
-    loads.volume -= faces.areas[f] * at.value;
-    loads.area += faces.areas[f];
-    loads.max_depth = std::max(loads.max_depth, -at.value);
-    loads.peak_pressure = std::max(loads.peak_pressure, value.pressure);
-    loads.pressure_sum += faces.areas[f] * value.pressure;
-    loads.pressure_moment += faces.areas[f] * value.pressure * c;
+    sums.add(point);
+    sums.add_stiffness(point, at.hessian);
   }
-  loads.wrench = sum.wrench();
-  loads.stiffness = sum.stiffness(pose);
-  return loads;
+  return loads_of_moving_distance(sums, pose, true);
 }
 
-void check_close(const SideLoads& a, const SideLoads& b, double tolerance) {
+void check_close(const CompartmentLoads& a, const CompartmentLoads& b, double tolerance) {
   CHECK((a.wrench - b.wrench).norm() <= tolerance * b.wrench.norm());
   CHECK((a.stiffness - b.stiffness).norm() <= tolerance * b.stiffness.norm());
   CHECK(std::abs(a.energy - b.energy) <= tolerance * b.energy);
@@ -64,56 +59,56 @@ void check_close(const SideLoads& a, const SideLoads& b, double tolerance) {
   CHECK((a.pressure_moment - b.pressure_moment).norm() <= tolerance * b.pressure_moment.norm());
 }
 
-double energy(const FaceEvaluation& contact, const Pose& pose) {
+double energy(const ContactPair& contact, const Pose& pose) {
   return contact.evaluate(pose, kMedial, Derivatives::kNone).energy +
          contact.evaluate(pose, kLateral, Derivatives::kNone).energy;
 }
 
-Vector6 force(const FaceEvaluation& contact, const Pose& pose) {
+Vector6 force(const ContactPair& contact, const Pose& pose) {
   return generalised_force(pose, contact.evaluate(pose, kMedial, Derivatives::kNone).wrench +
                                      contact.evaluate(pose, kLateral, Derivatives::kNone).wrench);
 }
 
 TEST_CASE("[oracle] culling, sorting and vectors change nothing: the plain sum over faces") {
   const ContactLaw law(LinearVolumeLaw{7.7e9});
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, law);
+  const auto fast = test::fast_pair(pair().field, pair().compartments, law);
   test::Draw draw(42);
   for (int n = 0; n < 20; ++n) {
     const Pose pose = nearby(draw);
     for (const Side side : {kMedial, kLateral}) {
-      const SideLoads expected = plain(pair(), pose, side, law);
+      const CompartmentLoads expected = plain(pair(), pose, side, law);
       REQUIRE(expected.area > 1e-5);
       // The kernel contracts the field in single precision: 6e-8 of the coefficients' 2 mm at a
       // depth of 1 mm, over 1e-1 mm for the curvature's share of the stiffness.
-      check_close(fast->evaluate(pose, side, Derivatives::kStiffness), expected, 2e-6);
+      check_close(fast.evaluate(pose, side, Derivatives::kStiffness), expected, 2e-6);
     }
   }
 }
 
 TEST_CASE("[oracle] every instruction set gives the same to 1e-12") {
-  const auto baseline = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{},
+  const auto baseline = test::fast_pair(pair().field, pair().compartments, ContactLaw{},
                                              InstructionSet::kBaseline);
   for (const InstructionSet set : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
     if (set > best_instruction_set()) continue;
     CAPTURE(name(set));
-    const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{}, set);
+    const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{}, set);
     test::Draw draw(42);
     for (int n = 0; n < 20; ++n) {
       const Pose pose = nearby(draw);
       for (const Side side : {kMedial, kLateral}) {
-        check_close(fast->evaluate(pose, side, Derivatives::kStiffness),
-                    baseline->evaluate(pose, side, Derivatives::kStiffness), 1e-12);
+        check_close(fast.evaluate(pose, side, Derivatives::kStiffness),
+                    baseline.evaluate(pose, side, Derivatives::kStiffness), 1e-12);
       }
     }
   }
 }
 
 TEST_CASE("[property] without stiffness the rest is the same and the stiffness zero") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   test::Draw draw(43);
   const Pose pose = nearby(draw);
-  SideLoads with = fast->evaluate(pose, kMedial, Derivatives::kStiffness);
-  const SideLoads without = fast->evaluate(pose, kMedial, Derivatives::kNone);
+  CompartmentLoads with = fast.evaluate(pose, kMedial, Derivatives::kStiffness);
+  const CompartmentLoads without = fast.evaluate(pose, kMedial, Derivatives::kNone);
   CHECK(without.stiffness.isZero(0.0));
   with.stiffness.setZero();
   CHECK((without.wrench - with.wrench).norm() <= 1e-13 * with.wrench.norm());
@@ -121,16 +116,16 @@ TEST_CASE("[property] without stiffness the rest is the same and the stiffness z
 }
 
 TEST_CASE("[derivative] the generalised force is minus the energy's slope") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   test::Draw draw(44);
   for (int n = 0; n < 20; ++n) {
     const Pose pose = nearby(draw);
-    const Vector6 Q = force(*fast, pose);
+    const Vector6 Q = force(fast, pose);
     for (int j = 0; j < 6; ++j) {
       const double step = j < 3 ? 1e-6 : 1e-4;
       Pose up = pose, down = pose;
       up[j] += step, down[j] -= step;
-      const double slope = (energy(*fast, up) - energy(*fast, down)) / (2.0 * step);
+      const double slope = (energy(fast, up) - energy(fast, down)) / (2.0 * step);
       // A face whose d changes sign within the step errs by at most A K step ≈ 3e-3 N, several may;
       // single precision 2e-7 a face, over 1 000 of them, of 0.5 J / step. Against forces of 1e3 N,
       // moments of 10 Nm.
@@ -141,19 +136,19 @@ TEST_CASE("[derivative] the generalised force is minus the energy's slope") {
 }
 
 TEST_CASE("[derivative] the stiffness is the wrench's slope where no face enters or leaves") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   test::Draw draw(45);
   int compared = 0;
   for (int n = 0; n < 200 && compared < 60; ++n) {
     const Pose pose = nearby(draw);
     for (const Side side : {kMedial, kLateral}) {
-      const SideLoads at = fast->evaluate(pose, side, Derivatives::kStiffness);
+      const CompartmentLoads at = fast.evaluate(pose, side, Derivatives::kStiffness);
       for (int j = 0; j < 6; ++j) {
         const double step = j < 3 ? 4e-7 : 2e-5;
         Pose up = pose, down = pose;
         up[j] += step, down[j] -= step;
-        const SideLoads above = fast->evaluate(up, side, Derivatives::kNone);
-        const SideLoads below = fast->evaluate(down, side, Derivatives::kNone);
+        const CompartmentLoads above = fast.evaluate(up, side, Derivatives::kNone);
+        const CompartmentLoads below = fast.evaluate(down, side, Derivatives::kNone);
         if (above.area != at.area || below.area != at.area) continue;
         ++compared;
         const Wrench slope = (above.wrench - below.wrench) / (2.0 * step);
@@ -168,12 +163,12 @@ TEST_CASE("[derivative] the stiffness is the wrench's slope where no face enters
 }
 
 TEST_CASE("[property] the generalised stiffness is symmetric") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   test::Draw draw(46);
   for (int n = 0; n < 50; ++n) {
     const Pose pose = nearby(draw);
-    const SideLoads at =
-        fast->evaluate(pose, n % 2 == 0 ? kMedial : kLateral, Derivatives::kStiffness);
+    const CompartmentLoads at =
+        fast.evaluate(pose, n % 2 == 0 ? kMedial : kLateral, Derivatives::kStiffness);
     const Matrix6 K = generalised_stiffness(pose, at.wrench, at.stiffness);
     CHECK((K - K.transpose()).norm() < 1e-12 * K.norm());  // rounding; the project's claim is 1e-8
     CHECK(K.norm() > 1e5);
@@ -182,7 +177,7 @@ TEST_CASE("[property] the generalised stiffness is symmetric") {
 
 TEST_CASE(
     "[property] a closed loop of poses takes no work, an open path takes the energy's change") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   constexpr int kSteps = 4000;
   const auto path = [](double t) {
     Pose pose = pair().pose;
@@ -199,7 +194,7 @@ TEST_CASE(
     // dq/dt by the same rule's differences: exact for the quadratic through the three poses.
     const Pose d0 = -3 * p0 + 4 * p1 - p2, d1 = p2 - p0, d2 = p0 - 4 * p1 + 3 * p2;
     const double power =
-        (force(*fast, p0).dot(d0) + 4.0 * force(*fast, p1).dot(d1) + force(*fast, p2).dot(d2)) /
+        (force(fast, p0).dot(d0) + 4.0 * force(fast, p1).dot(d1) + force(fast, p2).dot(d2)) /
         6.0;
     work += power;
     amount += 0.5 * std::abs(power);
@@ -207,12 +202,12 @@ TEST_CASE(
   }
   CHECK(amount > 0.1);  // joules really went in and out
   CHECK(std::abs(work) < 1e-6 * amount);
-  const double change = energy(*fast, path(0.5)) - energy(*fast, path(0.0));
+  const double change = energy(fast, path(0.5)) - energy(fast, path(0.0));
   CHECK(std::abs(half + change) < 1e-6 * amount);
 }
 
 TEST_CASE("[property] out of contact and far away everything is exactly zero") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   const RigidTransform X_TF = transform_TF(pair().pose);
   for (const double lift : {4e-3, 0.1, 5.0}) {
     Pose pose = pair().pose;
@@ -220,7 +215,7 @@ TEST_CASE("[property] out of contact and far away everything is exactly zero") {
     const Vector3 out = X_TF.R * pair().tilt.transpose() * Vector3(-1.0, 0.1, 0.1);
     pose.head<3>() += lift * out;
     for (const Side side : {kMedial, kLateral}) {
-      const SideLoads at = fast->evaluate(pose, side, Derivatives::kStiffness);
+      const CompartmentLoads at = fast.evaluate(pose, side, Derivatives::kStiffness);
       CHECK(at.wrench.isZero(0.0));
       CHECK(at.stiffness.isZero(0.0));
       CHECK(at.energy == 0.0);
@@ -233,22 +228,22 @@ TEST_CASE("[property] out of contact and far away everything is exactly zero") {
 }
 
 TEST_CASE("[property] the same pose gives the same bytes") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
-  const auto again = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
-  const SideLoads a = fast->evaluate(pair().pose, kMedial, Derivatives::kStiffness);
-  fast->evaluate(pair().pose, kLateral, Derivatives::kStiffness);
-  const SideLoads b = again->evaluate(pair().pose, kMedial, Derivatives::kStiffness);
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
+  const auto again = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
+  const CompartmentLoads a = fast.evaluate(pair().pose, kMedial, Derivatives::kStiffness);
+  fast.evaluate(pair().pose, kLateral, Derivatives::kStiffness);
+  const CompartmentLoads b = again.evaluate(pair().pose, kMedial, Derivatives::kStiffness);
   CHECK(a.wrench == b.wrench);
   CHECK(a.stiffness == b.stiffness);
   CHECK(a.energy == b.energy);
 }
 
 TEST_CASE("[property] pressures face by face add up to the side, in the compartment's order") {
-  const auto fast = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
+  const auto fast = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
   for (const Side side : {kMedial, kLateral}) {
-    const SideLoads at = fast->evaluate(pair().pose, side, Derivatives::kNone);
-    const FacePressure faces = fast->face_pressure(pair().pose, side);
-    const CompartmentFaces& compartment = pair().compartments[side];
+    const CompartmentLoads at = fast.evaluate(pair().pose, side, Derivatives::kNone);
+    const FacePressure faces = fast.face_pressure(pair().pose, side);
+    const SurfaceFaces& compartment = pair().compartments[side];
     REQUIRE(faces.depth.size() == compartment.count());
     CHECK(faces.depth.dot(compartment.areas) == doctest::Approx(at.volume).epsilon(1e-6));  // single precision in the kernel
     CHECK(faces.pressure.dot(compartment.areas) == doctest::Approx(at.pressure_sum).epsilon(1e-6));
@@ -261,12 +256,12 @@ TEST_CASE("[property] pressures face by face add up to the side, in the compartm
 
 TEST_CASE("[property] an overlap seen from behind is flagged, one from the front is not") {
   TorusPair behind;
-  for (CompartmentFaces& faces : behind.compartments) faces.normals *= -1.0;
-  const auto front = make_fast_evaluation(pair().field, pair().compartments, ContactLaw{});
-  const auto back = make_fast_evaluation(behind.field, behind.compartments, ContactLaw{});
+  for (SurfaceFaces& faces : behind.compartments) faces.normals *= -1.0;
+  const auto front = test::fast_pair(pair().field, pair().compartments, ContactLaw{});
+  const auto back = test::fast_pair(behind.field, behind.compartments, ContactLaw{});
   for (const Side side : {kMedial, kLateral}) {
-    CHECK_FALSE(front->evaluate(pair().pose, side, Derivatives::kNone).back_face);
-    CHECK(back->evaluate(behind.pose, side, Derivatives::kNone).back_face);
+    CHECK_FALSE(front.evaluate(pair().pose, side, Derivatives::kNone).back_face);
+    CHECK(back.evaluate(behind.pose, side, Derivatives::kNone).back_face);
   }
 }
 
@@ -286,15 +281,15 @@ TEST_CASE("[property] overlap beyond an open border goes to border_area and nowh
         return geometry::DistanceSample{open.distance(p), beyond(p)};
       },
       1));
-  const auto closed = make_fast_evaluation(open.field, open.compartments, ContactLaw{});
-  const auto fast = make_fast_evaluation(field, open.compartments, ContactLaw{});
-  const SideLoads whole = closed->evaluate(open.pose, kMedial, Derivatives::kNone);
-  const SideLoads part = fast->evaluate(open.pose, kMedial, Derivatives::kNone);
+  const auto closed = test::fast_pair(open.field, open.compartments, ContactLaw{});
+  const auto fast = test::fast_pair(field, open.compartments, ContactLaw{});
+  const CompartmentLoads whole = closed.evaluate(open.pose, kMedial, Derivatives::kNone);
+  const CompartmentLoads part = fast.evaluate(open.pose, kMedial, Derivatives::kNone);
   CHECK(whole.border_area == 0.0);
   CHECK(part.border_area > 0.2 * whole.area);
   CHECK(part.area > 0.2 * whole.area);
   CHECK(part.area + part.border_area == doctest::Approx(whole.area).epsilon(1e-12));
-  const FacePressure faces = fast->face_pressure(open.pose, kMedial);
+  const FacePressure faces = fast.face_pressure(open.pose, kMedial);
   double pressed = 0.0;
   for (Eigen::Index f = 0; f < faces.depth.size(); ++f) {
     if (faces.depth[f] <= 0.0) continue;

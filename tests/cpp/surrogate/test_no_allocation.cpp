@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a surrogate allocates does not grow with the poses of a piece. In a program of its own,
+// because it counts what operator new is asked for; what onnxruntime asks it for in a run is
+// counted with it, and is a number a run.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "condyle/surrogate/onnx_contact_model.hpp"
+#include "support/count_allocations.hpp"
+#include "surrogate/tiny_surrogate.hpp"
+
+namespace condyle::surrogate {
+namespace {
+
+TEST_CASE("the counter counts") {
+  CHECK(test::count_allocations([] { std::vector<double>(7).front() += 1.0; }) == 1);
+}
+
+TEST_CASE("a surrogate allocates a number a run, nothing a pose") {
+  const OnnxContactModel model(test::surrogate_file("tiny_surrogate.onnx"));
+  const auto poses = test::poses_about_domain(1024, 3);
+  std::vector<double> wrench(poses.size() * 12), stiffness(poses.size() * 72);
+  const auto evaluate = [&](std::size_t n) {
+    model.evaluate_into(std::span(poses).first(n), 1,
+                        {.wrench = std::span(wrench).first(12 * n),
+                         .stiffness = std::span(stiffness).first(72 * n)});
+  };
+  const auto allocations = [&](std::size_t n) {
+    evaluate(n);  // memory of this size is bound
+    return test::count_allocations([&] { evaluate(n); });
+  };
+  const long of_few = allocations(2);
+  MESSAGE("allocations a run: " << of_few);
+  CHECK(allocations(1024) == of_few);
+  CHECK(allocations(1) <= of_few);
+}
+
+}  // namespace
+}  // namespace condyle::surrogate
