@@ -55,6 +55,10 @@ def evaluate(
     insert_solid_lateral: Annotated[
         Path | None, typer.Option(help="boolean: closed solid, if --insert-lateral is open.")
     ] = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option(help="Folder that keeps what fast builds of the meshes between runs."),
+    ] = None,
     threads: Annotated[int, typer.Option(min=0, help="Threads; 0 for all cores.")] = 0,
 ) -> None:
     """Evaluates the reference contact at every pose of a table."""
@@ -76,6 +80,7 @@ def evaluate(
         side_of_body=side_of_body,
         evaluation=evaluation,
         integration=integration,
+        cache_directory=cache,
         law=law_options.read_law(
             law,
             modulus=modulus,
