@@ -92,7 +92,7 @@ import tomllib
 project = tomllib.load(open("pyproject.toml", "rb"))
 print(*project["build-system"]["requires"], "cmake>=3.24", "ninja", sep="\n")
 print(*project["project"]["dependencies"], sep="\n")
-for extra in ("train", "report", "vtk", "test", "lint"):
+for extra in ("train", "report", "vtk", "cluster", "test", "lint"):
     print(*project["project"]["optional-dependencies"][extra], sep="\n")
 PY
   "${pip[@]}" -r "$CACHE/requirements.txt"

@@ -63,7 +63,8 @@ io::Table mesh_loads(const ContactOptions& options, const std::vector<Pose>& pos
 /// A wrench-only file does not know its trust; the column is then left out.
 io::Table surrogate_loads(const ContactOptions& options, const std::vector<Pose>& poses) {
   require_no_meshes(options.implant);
-  const surrogate::OnnxContactModel model(options.implant.surrogate);
+  const surrogate::OnnxContactModel model(options.implant.surrogate,
+                                          surrogate::runtime_from_name(options.implant.runtime));
   std::vector<contact::ContactLoads> loads(poses.size());
   model.evaluate_batch(poses, contact::Derivatives::kNone, options.threads, loads);
 

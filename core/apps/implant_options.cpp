@@ -86,6 +86,13 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
       ->capture_default_str();
   command.add_option("--surrogate", options.surrogate, "Surrogate file (.onnx), instead of meshes")
       ->group("Implant as surrogate");
+  command
+      .add_option("--runtime", options.runtime,
+                  "What evaluates the surrogate: fused, onnxruntime, or auto (fused where it knows "
+                  "the file's network)")
+      ->check(CLI::IsMember({"auto", "fused", "onnxruntime"}))
+      ->capture_default_str()
+      ->group("Implant as surrogate");
 }
 
 std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& options) {

@@ -24,6 +24,7 @@ struct ImplantOptions {
   std::string integration = "insert";
   LawOptions law;
   std::string surrogate;
+  std::string runtime = "auto";
 };
 
 /// Adds --femur, --insert, --insert-medial, --insert-lateral, --side-of-body, --units,

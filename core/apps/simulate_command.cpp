@@ -47,7 +47,8 @@ std::unique_ptr<contact::ContactModel> read_model(const ImplantOptions& options,
     return contact;
   }
   require_no_meshes(options);
-  auto model = std::make_unique<surrogate::OnnxContactModel>(options.surrogate);
+  auto model = std::make_unique<surrogate::OnnxContactModel>(
+      options.surrogate, surrogate::runtime_from_name(options.runtime));
   if (!model->has_stiffness()) {
     throw std::invalid_argument(options.surrogate +
                                 ": has the output wrench alone; a simulation needs stiffness");

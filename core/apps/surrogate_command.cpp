@@ -13,7 +13,14 @@ namespace {
 void print_info(const std::string& file) {
   const surrogate::OnnxContactModel model(file);
   std::cout << "file: " << file << "\noutputs: wrench"
-            << (model.has_stiffness() ? ", stiffness, error, trust" : "") << '\n';
+            << (model.has_stiffness() ? ", stiffness, error, trust" : "")
+            << "\nruntime: " << name(model.runtime()) << '\n';
+  if (!model.instruction_set().empty()) {
+    std::cout << "instruction set: " << model.instruction_set() << '\n';
+  }
+  if (!model.fused_refusal().empty()) {
+    std::cout << "not fused, because: " << model.fused_refusal() << '\n';
+  }
   for (const auto& [key, value] : model.metadata()) std::cout << key << ": " << value << '\n';
 }
 

@@ -13,30 +13,12 @@
 #include "condyle/geometry/distance_field_cache.hpp"
 #include "condyle/geometry/signed_distance.hpp"
 #include "dm_pair.hpp"
+#include "naive_contact.hpp"
 
 namespace {
 
 using namespace condyle;
 using namespace condyle::contact;
-
-// One closest-point search per insert face, no culling: what a straightforward program does. The
-// total Fy comes along, so that nothing is optimised away and the rows can be compared.
-double naive_force(const geometry::SignedDistance& distance, const std::array<SurfaceFaces, kSides>& compartments,
-                   const Pose& pose, int& loaded) {
-  const RigidTransform X_TF = transform_TF(pose), X_FT = X_TF.inverse();
-  const ContactLaw law;
-  double force = 0.0;
-  loaded = 0;
-  for (const SurfaceFaces& faces : compartments) {
-    for (Eigen::Index f = 0; f < faces.count(); ++f) {
-      const auto query = distance.query(X_FT * Vector3(faces.centroids.row(f)));
-      if (!(query.distance < 0.0) || query.on_border) continue;
-      ++loaded;
-      force -= faces.areas[f] * law.at(-query.distance).pressure * (X_TF.R * query.gradient).y();
-    }
-  }
-  return force;
-}
 
 double total_force(const ContactPair& contact, const Pose& pose, Derivatives derivatives) {
   return contact.evaluate(pose, kMedial, derivatives).wrench[1] +
@@ -72,7 +54,7 @@ void run() {
     int loaded = 0;
     double force = 0.0;
     const double naive = benchmark::quickest(
-        5, 1, [&] { force = naive_force(distance, faces, pose, loaded); });
+        5, 1, [&] { force = benchmark::naive_force(distance, faces, pose, loaded); });
     std::printf("depth %.1f mm, %d loaded faces of %d\n", 1e3 * depth, loaded,
                 static_cast<int>(faces[0].count() + faces[1].count()));
     row("naive", naive, naive, naive, force);

@@ -9,14 +9,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "condyle/surrogate/onnx_file.hpp"
 #include "condyle/surrogate/onnxruntime_library.hpp"
 
 namespace condyle::surrogate {
@@ -68,16 +67,6 @@ struct Runtime {
 Runtime& runtime() {
   static Runtime* const only = new Runtime;
   return *only;
-}
-
-std::vector<char> read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw std::invalid_argument(file.string() + ": cannot be opened for reading");
-  }
-  std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (bytes.empty()) throw std::invalid_argument(file.string() + ": is empty, not an ONNX model");
-  return bytes;
 }
 
 Ort::Session open(const std::filesystem::path& file) {

@@ -18,7 +18,13 @@ from condyle.errors import InputDataError
 #: Columns of a load case file, in any order; further columns are passed over.
 LOAD_CASE_COLUMNS: Final = ("time_s", "flexion_deg", "axial_force_N", "ap_force_N", "ie_torque_Nm")
 #: Load cases that come with the package.
-BUILT_IN: Final = ("iso_like_gait", "squat_like")
+BUILT_IN: Final = (
+    "iso_like_gait",
+    "turn_like_gait",
+    "leg_swing_like",
+    "chair_rise_like",
+    "squat_like",
+)
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -87,8 +93,8 @@ def load_case(name_or_path: str | os.PathLike[str]) -> LoadCase:
     """Reads a load case.
 
     Args:
-        name_or_path: ``iso_like_gait``, ``squat_like``, or a CSV file with the columns
-            LOAD_CASE_COLUMNS; lines that begin with ``#`` are comments.
+        name_or_path: One of BUILT_IN, or a CSV file with the columns LOAD_CASE_COLUMNS; lines that
+            begin with ``#`` are comments.
 
     Raises:
         InputDataError: The message names the file and, where they apply, line, column and value.

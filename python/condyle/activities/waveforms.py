@@ -40,11 +40,47 @@ GAIT_AP_N: Final[Knots] = ((0, 0), (4, 110), (13, -180), (25, -60), (45, -265), 
 GAIT_IE_NM: Final[Knots] = ((0, 0), (6, -1), (25, 1), (48, 6), (62, 0), (100, 0))
 
 # Percent of a squat (down, hold, up), for a body weight of 750 N: 2.5 body weights in the deepest position.
-SQUAT_BODY_WEIGHT_N: Final = 750.0
+BODY_WEIGHT_N: Final = 750.0
 SQUAT_FLEXION_DEG: Final[Knots] = ((0, 0), (45, 90), (55, 90), (100, 0))
 SQUAT_AXIAL_BW: Final[Knots] = ((0, 0.6), (45, 2.5), (55, 2.5), (100, 0.6))
 SQUAT_AP_BW: Final[Knots] = ((0, 0), (45, -0.12), (55, -0.12), (100, 0))
 SQUAT_IE_NM: Final[Knots] = ((0, 0), (45, 3), (55, 3), (100, 0))
+
+# Percent of a gait cycle with a turn in stance, for the same body weight. Flexion is the gait's; the first peak is
+# the greater one (2.6 body weights), and the torque turns over from -5 to 8 Nm.
+TURN_AXIAL_BW: Final[Knots] = (
+    (0, 0.22),
+    (5, 2.2),
+    (9, 1.7),
+    (15, 2.6),
+    (29, 1.4),
+    (47, 2.4),
+    (62, 0.22),
+    (100, 0.22),
+)
+TURN_AP_BW: Final[Knots] = (
+    (0, 0),
+    (5, 0.10),
+    (16, -0.20),
+    (30, -0.10),
+    (47, -0.30),
+    (62, 0),
+    (100, 0),
+)
+TURN_IE_NM: Final[Knots] = ((0, 0), (10, -5), (30, 2), (45, 8), (62, 0), (100, 0))
+
+# Percent of a rise from a chair (seated, up, standing), for the same body weight: 2.46 body weights just after
+# leaving the seat.
+CHAIR_FLEXION_DEG: Final[Knots] = ((0, 85), (15, 87), (75, 3), (100, 3))
+CHAIR_AXIAL_BW: Final[Knots] = ((0, 0.3), (10, 0.4), (35, 2.46), (75, 1.07), (100, 1.07))
+CHAIR_AP_BW: Final[Knots] = ((0, 0), (35, -0.17), (75, 0), (100, 0))
+CHAIR_IE_NM: Final[Knots] = ((0, 0), (35, 3), (70, -1), (100, 0))
+
+# Percent of one swing of the unloaded leg (back, forth, back), for the same body weight.
+SWING_FLEXION_DEG: Final[Knots] = ((0, 15), (35, 70), (75, 2), (100, 15))
+SWING_AXIAL_BW: Final[Knots] = ((0, 0.10), (25, 0.18), (50, 0.08), (75, 0.22), (100, 0.10))
+SWING_AP_BW: Final[Knots] = ((0, 0), (25, 0.01), (50, 0), (75, -0.01), (100, 0))
+SWING_IE_NM: Final[Knots] = ((0, 0), (30, -0.2), (65, 0.3), (100, 0))
 
 _COLUMNS: Final = "time_s,flexion_deg,axial_force_N,ap_force_N,ie_torque_Nm"
 _SIGNS: Final = (
@@ -76,6 +112,34 @@ SQUAT_HEADER: Final = (
     "as widely quoted, not confirmed point by point; curve shapes, AP force (to -0.12 body weights) and torque",
     "(to 3 Nm) are Condyle's own.",
     "One squat of 4 s, 101 points. Replace it freely.",
+)
+TURN_HEADER: Final = (
+    "Gait-like load case with a turn in stance, illustrative; body weight 750 N.",
+    *_SIGNS,
+    "Flexion: as in iso_like_gait.csv. Axial force: peak 2.6 body weights, the mean peak of level walking (261 %) in",
+    "five instrumented knees (Kutzner et al. 2010, J Biomech 43, 2164). Torque: to 8 Nm, below the 10.5 Nm that",
+    "instrumented knees reached in walking (Bergmann et al. 2014, PLOS ONE, e0086035). AP force: to -0.30 body",
+    "weights, the peak shear of walking (D'Lima et al. 2007, J Biomech 40, S11). Only these peaks are quoted: that a",
+    "turn loads the knee like this, and every curve's shape, timing and sign, are Condyle's own.",
+    "One cycle of 1.2 s, 101 points. Replace it freely.",
+)
+CHAIR_HEADER: Final = (
+    "Chair-rise-like load case, illustrative: from 87 deg of flexion to standing; body weight 750 N.",
+    *_SIGNS,
+    "Axial force: peak 2.46 body weights, the mean peak of standing up in five instrumented knees, and 1.07 at the",
+    "end, their two-legged stance (Kutzner et al. 2010, J Biomech 43, 2164); D'Lima et al. 2007 (J Biomech 40, S11)",
+    "found 2.5. AP force: to -0.17 body weights, the peak shear of D'Lima et al. Only these peaks are quoted; timing,",
+    "signs, torque (-1 to 3 Nm) and the curves' shapes are Condyle's own.",
+    "One rise of 2.5 s, 101 points. Replace it freely.",
+)
+SWING_HEADER: Final = (
+    "Unloaded-leg-swing-like load case, illustrative: 2 to 70 deg of flexion under what muscles alone press on the",
+    "knee, 60 to 165 N (0.08 to 0.22 body weights of 750 N).",
+    *_SIGNS,
+    "The upper end is the force that simulators apply in the swing phase of gait (167.6 N, see iso_like_gait.csv);",
+    "Marra et al. 2017 have such an activity among their reference curves but print no loads of it. Everything else",
+    "is Condyle's own.",
+    "One swing of 1.5 s, 101 points. Replace it freely.",
 )
 
 
@@ -109,9 +173,48 @@ def squat_like() -> str:
         SQUAT_HEADER,
         4.0 * percent / 100.0,
         half_cosines(SQUAT_FLEXION_DEG, percent),
-        SQUAT_BODY_WEIGHT_N * half_cosines(SQUAT_AXIAL_BW, percent),
-        SQUAT_BODY_WEIGHT_N * half_cosines(SQUAT_AP_BW, percent),
+        BODY_WEIGHT_N * half_cosines(SQUAT_AXIAL_BW, percent),
+        BODY_WEIGHT_N * half_cosines(SQUAT_AP_BW, percent),
         half_cosines(SQUAT_IE_NM, percent),
+    )
+
+
+def turn_like_gait() -> str:
+    """Text of ``turn_like_gait.csv``."""
+    percent = np.linspace(0.0, 100.0, 101)
+    return _csv(
+        TURN_HEADER,
+        1.2 * percent / 100.0,
+        half_cosines(GAIT_FLEXION_DEG, percent),
+        BODY_WEIGHT_N * half_cosines(TURN_AXIAL_BW, percent),
+        BODY_WEIGHT_N * half_cosines(TURN_AP_BW, percent),
+        half_cosines(TURN_IE_NM, percent),
+    )
+
+
+def chair_rise_like() -> str:
+    """Text of ``chair_rise_like.csv``."""
+    percent = np.linspace(0.0, 100.0, 101)
+    return _csv(
+        CHAIR_HEADER,
+        2.5 * percent / 100.0,
+        half_cosines(CHAIR_FLEXION_DEG, percent),
+        BODY_WEIGHT_N * half_cosines(CHAIR_AXIAL_BW, percent),
+        BODY_WEIGHT_N * half_cosines(CHAIR_AP_BW, percent),
+        half_cosines(CHAIR_IE_NM, percent),
+    )
+
+
+def leg_swing_like() -> str:
+    """Text of ``leg_swing_like.csv``."""
+    percent = np.linspace(0.0, 100.0, 101)
+    return _csv(
+        SWING_HEADER,
+        1.5 * percent / 100.0,
+        half_cosines(SWING_FLEXION_DEG, percent),
+        BODY_WEIGHT_N * half_cosines(SWING_AXIAL_BW, percent),
+        BODY_WEIGHT_N * half_cosines(SWING_AP_BW, percent),
+        half_cosines(SWING_IE_NM, percent),
     )
 
 

@@ -18,6 +18,13 @@ Runs = Annotated[Path, typer.Option(help="Folder of run directories.")]
 Threads = Annotated[
     int, typer.Option(min=0, help="Threads; 0 for all cores. No result depends on it.")
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        help="Dask scheduler whose workers evaluate the samples, such as tcp://head:8786. No result depends on it.",
+        metavar="ADDRESS",
+    ),
+]
 
 #: What each single-stage command does; earlier stages run first where they are not current.
 _COMMANDS: Final = {
@@ -28,6 +35,9 @@ _COMMANDS: Final = {
     "report": "Writes tables and figures.",
 }
 
+#: Between lines of progress where the output is no terminal [s].
+LINE_EVERY_S: Final = 20.0
+
 
 class ScreenReporter:
     """Shows stages as lines and their progress as a bar."""
@@ -36,10 +46,11 @@ class ScreenReporter:
         self._progress = progress
         self._task: TaskID | None = None
         self._started = time.perf_counter()
+        self._said = self._started
 
     def stage(self, name: str, text: str) -> None:
         """Begins a stage."""
-        self._started = time.perf_counter()
+        self._started = self._said = time.perf_counter()
         console.print(f"[bold]{name:<10}[/bold] {text}", highlight=False)
 
     def skipped(self, name: str) -> None:
@@ -47,7 +58,14 @@ class ScreenReporter:
         console.print(f"[bold]{name:<10}[/bold] [dim]unchanged[/dim]")
 
     def progress(self, task: str, fraction: float, note: str) -> None:
-        """Moves the bar."""
+        """Moves the bar; where the output is no terminal, says a line now and then."""
+        if not console.is_terminal:
+            now = time.perf_counter()
+            if now - self._said >= LINE_EVERY_S:
+                self._said = now
+                text = f"           {task}: {fraction:.0%}, {note}"
+                console.print(text, highlight=False, markup=False, soft_wrap=True)
+            return
         if self._task is None:
             self._task = self._progress.add_task(task, total=1.0, note=note)
         self._progress.update(self._task, description=task, completed=fraction, note=note)
@@ -61,12 +79,14 @@ class ScreenReporter:
         console.print(f"           {text} [dim]({seconds:.0f} s)[/dim]", highlight=False)
 
 
-def _run(study_file: Path | None, until: str, runs: Path, threads: int) -> None:
+def _run(
+    study_file: Path | None, until: str, runs: Path, threads: int, scheduler: str | None = None
+) -> None:
     from condyle.study import Study, StudyRun, read_study
 
     study = read_study(study_file) if study_file is not None else Study(name="demo")
     with progress_bar() as progress:
-        run = StudyRun(study, runs, threads, ScreenReporter(progress))
+        run = StudyRun(study, runs, threads, ScreenReporter(progress), scheduler)
         run.run(until)
     console.print(f"\nresults: {run.context.directory.root}", highlight=False)
 
@@ -82,11 +102,27 @@ def add_to(app: typer.Typer) -> None:
     """Adds the commands to the root."""
 
     @app.command(name="run")
-    def run_command(study: StudyFile, runs: Runs = Path("runs"), threads: Threads = 0) -> None:
+    def run_command(
+        study: StudyFile,
+        runs: Runs = Path("runs"),
+        threads: Threads = 0,
+        scheduler: Scheduler = None,
+    ) -> None:
         """Runs a whole study: implant, reference simulation, samples, surrogate, errors, report."""
-        _run(study, "report", runs, threads)
+        _run(study, "report", runs, threads, scheduler)
+
+    @app.command(help=_COMMANDS["sample"])
+    def sample(
+        study: StudyFile,
+        runs: Runs = Path("runs"),
+        threads: Threads = 0,
+        scheduler: Scheduler = None,
+    ) -> None:
+        _run(study, "sample", runs, threads, scheduler)
 
     for stage, text in _COMMANDS.items():
+        if stage == "sample":
+            continue
         app.command(name=stage, help=text)(_stage_command(stage))
 
     @app.command()

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The reference contact of two meshes."""
 
+import os
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +44,7 @@ class MeshContact(_contact.MeshContact):
         integration: whose faces are integrated: "insert", "femur", or "both" for their mean.
         plausible_depth: depth beyond which an overlap is flagged [m]; the core's default (2 mm) if not given.
         cache_directory: where "fast" keeps its distance fields between runs, and its measured error.
+        field_spacing: edge of a cell of the distance fields of "fast" [m]; the core's default (0.3 mm) if not given.
         femur_layers: the elastic layer under each of the femur's faces, for laws that have one.
         insert_layers: likewise of the medial and the lateral compartment.
 
@@ -63,16 +65,13 @@ class MeshContact(_contact.MeshContact):
         integration: IntegrationName = "insert",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
+        field_spacing: float | None = None,
         femur_layers: FaceLayers | None = None,
         insert_layers: tuple[FaceLayers, FaceLayers] | None = None,
     ) -> None:
-        settings = _contact.MeshContactSettings()
-        settings.pair.evaluation = _contact.evaluation(evaluation)
-        settings.pair.integration = _contact.integration(integration)
-        if plausible_depth is not None:
-            settings.plausible_depth = plausible_depth
-        if cache_directory is not None:
-            settings.pair.cache_directory = Path(cache_directory)
+        settings = _settings(
+            evaluation, integration, plausible_depth, cache_directory, field_spacing
+        )
         self._law = law
         side = _side_of_body(side_of_body)
         of_medial, of_lateral = insert_layers if insert_layers is not None else (None, None)
@@ -86,6 +85,29 @@ class MeshContact(_contact.MeshContact):
         )
         if cache_directory is not None:
             _ = self.fast_error  # belongs to what is built once and kept
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What it was made from: surfaces, law and settings; whoever unpickles it makes it again.
+
+        In the other process distance fields are kept where the environment variable CONDYLE_CACHE says; else in this
+        contact's cache_directory where that exists, else in the user's cache folder. Without a cache_directory and the
+        variable they are kept nowhere.
+        """
+        pair = self.settings.pair
+        kept = pair.cache_directory != Path()
+        settings = {
+            "evaluation": pair.evaluation.name,
+            "integration": pair.integration.name,
+            "plausible_depth": self.settings.plausible_depth,
+            "cache_directory": str(pair.cache_directory) if kept else None,
+            "field_spacing": pair.field_spacing,
+        }
+        surfaces = tuple(
+            (np.array(mesh.vertices), np.array(mesh.faces))
+            for mesh in (self.femur, self.insert_medial, self.insert_lateral)
+        )
+        side = self.side_of_body.name
+        return _remade, (type(self), surfaces, side, self._law, self._layers, settings)
 
     @classmethod
     def from_files(
@@ -102,6 +124,7 @@ class MeshContact(_contact.MeshContact):
         integration: IntegrationName = "insert",
         plausible_depth: float | None = None,
         cache_directory: str | PathLike[str] | None = None,
+        field_spacing: float | None = None,
     ) -> Self:
         """The contact of an implant in files; arguments as :func:`read_implant` and the class.
 
@@ -126,6 +149,7 @@ class MeshContact(_contact.MeshContact):
             integration=integration,
             plausible_depth=plausible_depth,
             cache_directory=cache_directory,
+            field_spacing=field_spacing,
         )
 
     @cached_property
@@ -182,3 +206,60 @@ class MeshContact(_contact.MeshContact):
             "insert_medial": content_hash(self.insert_medial),
             "insert_lateral": content_hash(self.insert_lateral),
         }
+
+
+def _settings(
+    evaluation: EvaluationName,
+    integration: IntegrationName,
+    plausible_depth: float | None,
+    cache_directory: str | PathLike[str] | None,
+    field_spacing: float | None = None,
+) -> _contact.MeshContactSettings:
+    settings = _contact.MeshContactSettings()
+    settings.pair.evaluation = _contact.evaluation(evaluation)
+    settings.pair.integration = _contact.integration(integration)
+    if plausible_depth is not None:
+        settings.plausible_depth = plausible_depth
+    if cache_directory is not None:
+        settings.pair.cache_directory = Path(cache_directory)
+    if field_spacing is not None:
+        settings.pair.field_spacing = field_spacing
+    return settings
+
+
+def _remade(
+    kind: type[MeshContact],
+    surfaces: tuple[tuple[NDArray[np.float64], NDArray[np.int32]], ...],
+    side_of_body: SideOfBody,
+    law: ContactLaw,
+    layers: tuple[NDArray[np.float64], ...],
+    settings: dict[str, Any],
+) -> MeshContact:
+    """A contact from what ``__reduce__`` gave; the error of its fast evaluation is measured only if asked for."""
+    contact = kind.__new__(kind)
+    contact._law = law
+    contact._layers = (layers[0], layers[1], layers[2])
+    directory = _cache_elsewhere(settings["cache_directory"])
+    femur, medial, lateral = (Mesh(vertices, faces) for vertices, faces in surfaces)
+    _contact.MeshContact.__init__(
+        contact,
+        femur,
+        medial,
+        lateral,
+        _side_of_body(side_of_body),
+        law.core,
+        _settings(**{**settings, "cache_directory": directory}),
+        *contact._layers,
+    )
+    return contact
+
+
+def _cache_elsewhere(directory: str | None) -> str | None:
+    """Where a process that was sent a contact keeps distance fields, see ``MeshContact.__reduce__``."""
+    told = os.environ.get("CONDYLE_CACHE")
+    if told or directory is None:
+        return told or None
+    if Path(directory).is_dir():
+        return directory
+    own = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return str(Path(own) / "condyle")

@@ -1,81 +1,67 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sampled domains, and how well a surrogate reproduces held-out samples."""
 
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from condyle.conventions import LOAD_COLUMNS, LOAD_UNITS, SIDES
-from condyle.report.style import COLOURS, DOMAIN_COLOURS
+from condyle.report.sample_coverage import coverage_figure
+from condyle.report.sample_pairs import AT_THE_EDGE, EDGE_VARIABLES, pair_figure
+from condyle.report.sample_rejections import rejection_figure
+from condyle.report.sample_space import SampleSpace
+from condyle.report.style import COLOURS, house_style, save
+from condyle.sampling import ReferenceCurves
 
-#: The sampled variables: (label, column of a combined pose + total wrench array, factor to the unit shown).
-_VARIABLES = (
-    ("x [mm]", 0, 1e3),
-    ("y [mm]", 1, 1e3),
-    ("z [mm]", 2, 1e3),
-    ("θx [deg]", 3, 180 / np.pi),
-    ("θy [deg]", 4, 180 / np.pi),
-    ("θz [deg]", 5, 180 / np.pi),
-    ("Fy [N]", 7, 1.0),
-    ("Mx [Nm]", 9, 1.0),
-)
+#: Bottom to top: the domains of few samples would be hidden behind domain 5's.
+_EDGE_ORDER: Final = (5, 3, 4, 6)
 
 
-def _points(poses: NDArray[np.float64], wrenches: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.hstack([poses, wrenches.sum(axis=1)])
+def write_sample_figures(
+    directory: Path, folder: Path, curves: ReferenceCurves | None = None
+) -> list[Path]:
+    """Draw a dataset into PNG files; the same dataset gives the same bytes.
 
+    - ``samples_loaded.png``: pairs of the domains with the activities' loads, and of samples that
+      know no domains;
+    - ``samples_edge.png``: pairs of the domains at the edge of contact, y and θx with them;
+    - ``samples_coverage.png``: each variable against what was drawn;
+    - ``samples_rejections.png``: where candidates were rejected, and why.
 
-def domain_figure(
-    poses: NDArray[np.float64],
-    wrenches: NDArray[np.float64],
-    domains: NDArray[np.int64],
-    curves: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]],
-    most_points: int = 1500,
-) -> Figure:
-    """Pair plots of load and pose: samples in their domain's colour, reference curves (poses, wrenches) in black."""
-    count = len(_VARIABLES)
-    figure = Figure(figsize=(12, 12), layout="constrained")
-    axes = figure.subplots(count, count)
-    points = _points(poses, wrenches)
-    # Every k-th row: a figure needs no random draw, and rows are in candidate order, which is already well spread.
-    step = max(1, len(points) // most_points)
-    shown, shown_domains = points[::step], domains[::step]
-    curve_points = {name: _points(*curve) for name, curve in curves.items()}
-    for row, (row_label, r, r_factor) in enumerate(_VARIABLES):
-        for column, (column_label, c, c_factor) in enumerate(_VARIABLES):
-            axis = axes[row, column]
-            axis.tick_params(labelsize=6)
-            if column > row:
-                axis.set_visible(False)
-                continue
-            for domain in sorted(set(domains.tolist())):
-                colour = DOMAIN_COLOURS.get(domain, "#000000")
-                chosen = shown[shown_domains == domain]
-                if row == column:
-                    axis.hist(c_factor * chosen[:, c], bins=30, color=colour, alpha=0.6)
-                else:
-                    axis.plot(
-                        c_factor * chosen[:, c], r_factor * chosen[:, r], ".", color=colour, ms=1.5,
-                        alpha=0.6, rasterized=True,
-                    )  # fmt: skip
-            if row != column:
-                for curve in curve_points.values():
-                    axis.plot(c_factor * curve[:, c], r_factor * curve[:, r], "k-", lw=0.9)
-            if row == count - 1:
-                axis.set_xlabel(column_label)
-            if column == 0:
-                axis.set_ylabel(row_label)
-    handles = [
-        figure.axes[0].plot(
-            [], [], "o", color=DOMAIN_COLOURS.get(d, "#000000"), label=f"domain {d}"
-        )[0]
-        for d in sorted(set(domains.tolist()))
-    ]
-    handles += figure.axes[0].plot([], [], "k-", label="reference curves: " + ", ".join(curves))
-    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.98, 0.9), fontsize=11)
-    shown_text = f"{len(points)} samples" + ("" if step == 1 else f", one in {step} shown")
-    figure.suptitle(f"Sampled domains: pose and total load ({shown_text})", x=0.02, ha="left")
-    return figure
+    Args:
+        directory: the dataset's, complete.
+        folder: for the figures; those that an earlier dataset had and this one has not are removed.
+        curves: the reference curves, drawn with the samples.
+
+    Returns:
+        The files written, those that apply.
+
+    Raises:
+        InputDataError: not a complete dataset, a part is damaged, or the folder cannot be written.
+    """
+    space = SampleSpace.read(directory, curves)
+    loaded = [domain for domain in space.domains if domain not in AT_THE_EDGE]
+    edge = [domain for domain in _EDGE_ORDER if domain in space.domains]
+    with house_style():
+        figures = {
+            "loaded": pair_figure(space, loaded[::-1]) if loaded else None,
+            "edge": pair_figure(space, edge, EDGE_VARIABLES) if edge else None,
+            "coverage": coverage_figure(space),
+            "rejections": rejection_figure(space),
+        }
+        made = []
+        for name, figure in figures.items():
+            file = folder / f"samples_{name}.png"
+            if figure is None:
+                file.unlink(missing_ok=True)
+            else:
+                made.append(save(figure, file))
+    return made
 
 
 def parity_figure(

@@ -15,12 +15,25 @@ from condyle.whole_files import write_whole
 #: Colour-blind safe (Okabe & Ito 2008): medial, lateral, total; reference solid, surrogate dashed.
 COLOURS: Final = {"medial": "#0072B2", "lateral": "#D55E00", "total": "#222222"}
 DOMAIN_COLOURS: Final = {
-    1: "#56B4E9",
+    1: "#D55E00",
     2: "#0072B2",
     3: "#009E73",
     4: "#E69F00",
     5: "#CC79A7",
-    6: "#999999",
+    6: "#666666",
+}
+#: Of samples from elsewhere, which may know no domains.
+OTHER_COLOUR: Final = "#0072B2"
+#: Outcome of a candidate.
+OUTCOME_COLOURS: Final = {
+    "accepted": "#C8C8C8",
+    "beyond_range": "#56B4E9",
+    "non_compressive": "#0072B2",
+    "no_equilibrium": "#E69F00",
+    "overclosure": "#D55E00",
+    "off_insert": "#009E73",
+    "not_converged": "#000000",
+    "in_contact": "#CC79A7",
 }
 #: Pressure from none (near white) to high.
 PRESSURE_MAP: Final = "YlOrRd"

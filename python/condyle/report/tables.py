@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Result tables as Markdown; the same rows as tables.json."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from condyle.conventions import LOAD_COLUMNS, SIDES
@@ -144,13 +145,44 @@ def _times(rows: Rows) -> str:
     return "## Wall times, one thread, this machine\n\n" + _markdown(header, body)
 
 
-def render_tables(name: str, tables: dict[str, Any]) -> str:
-    """The whole tables.md of a run, from whichever tables its stages have written."""
+def _external_samples(table: dict[str, Any]) -> str:
+    text = "## Samples from elsewhere\n\n"
+    provenance = table["provenance"]
+    if provenance is not None:
+        units = ", ".join(
+            provenance["units"][kind] for kind in ("length", "angle", "force", "moment")
+        )
+        text += (
+            f"{provenance['source']} ({provenance['file']}, in {units}, SHA-256 {provenance['sha256'][:12]}…; "
+            f"split by {provenance['split']['by']}).\n\n"
+        )
+    body = [
+        ["none" if row["domain"] == 0 else str(row["domain"]), str(row["train"]), str(row["test"])]
+        for row in table["domains"]
+    ]
+    return text + _markdown(["domain", "train", "test"], body)
+
+
+def _figures(figures: Sequence[str]) -> str:
+    links = [f"![{file.split('/')[-1].removesuffix('.png')}]({file})" for file in figures]
+    return "## Figures\n\n" + "\n\n".join(links) + "\n"
+
+
+def render_tables(name: str, tables: dict[str, Any], figures: Sequence[str] = ()) -> str:
+    """The whole tables.md of a run, from whichever tables its stages have written.
+
+    Args:
+        name: the study's.
+        tables: by name.
+        figures: shown at the end; paths from the file's folder.
+    """
     parts = [f"# {name}\n"]
     if tables.get("fast_error"):
         parts.append(_fast_error(tables["fast_error"]))
     if tables.get("samples"):
         parts.append(_samples(tables["samples"]))
+    if tables.get("external_samples"):
+        parts.append(_external_samples(tables["external_samples"]))
     if tables.get("sample_errors"):
         parts.append(_sample_errors(tables["sample_errors"]))
     if tables.get("simulation_loads"):
@@ -161,4 +193,6 @@ def render_tables(name: str, tables: dict[str, Any]) -> str:
         parts.append(_activity_errors(title, tables["simulation_kinematics"]))
     if tables.get("times"):
         parts.append(_times(tables["times"]))
+    if figures:
+        parts.append(_figures(figures))
     return "\n".join(parts)

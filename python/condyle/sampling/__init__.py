@@ -12,6 +12,7 @@ for a contact model that can be evaluated.
 Reference: Marra MA et al. (2017), sampling of the reference contact model and Table 1.
 """
 
+from condyle.sampling.curve_files import read_table, read_tables, write_csv
 from condyle.sampling.dataset import Candidates, Dataset, read_candidates
 from condyle.sampling.domain import DOMAIN_NAMES, PAPER_COUNTS, SamplingDomain
 from condyle.sampling.domains import BoundaryPoints, DomainInputs, build_domain
@@ -23,10 +24,14 @@ from condyle.sampling.equilibrium_protocol import (
     Solved,
     StaticEquilibriumSolver,
 )
+from condyle.sampling.external import TEST_SHARE, ImportReport, import_samples
+from condyle.sampling.external_table import TableUnits
+from condyle.sampling.outlines import Outline, domain_outlines
 from condyle.sampling.plan import DomainTarget, SamplingPlan
 from condyle.sampling.reference_curves import CURVE_COLUMNS, ReferenceCurve, ReferenceCurves
 from condyle.sampling.report import DomainReport, Progress, SamplingProgress, SamplingReport
 from condyle.sampling.sample import sample
+from condyle.sampling.selection import keyed_hash
 
 __all__ = [
     "CURVE_COLUMNS",
@@ -35,12 +40,15 @@ __all__ = [
     "PAPER_COUNTS",
     "PRESCRIBED_COLUMNS",
     "SOLVER_STATUSES",
+    "TEST_SHARE",
     "BoundaryPoints",
     "Candidates",
     "Dataset",
     "DomainInputs",
     "DomainReport",
     "DomainTarget",
+    "ImportReport",
+    "Outline",
     "Prescribed",
     "Progress",
     "ReferenceCurve",
@@ -51,7 +59,14 @@ __all__ = [
     "SamplingReport",
     "Solved",
     "StaticEquilibriumSolver",
+    "TableUnits",
     "build_domain",
+    "domain_outlines",
+    "import_samples",
+    "keyed_hash",
     "read_candidates",
+    "read_table",
+    "read_tables",
     "sample",
+    "write_csv",
 ]

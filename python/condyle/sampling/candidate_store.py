@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator
-from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -26,14 +25,14 @@ from condyle.sampling.chunk import Chunk
 from condyle.sampling.domain import SamplingDomain
 from condyle.sampling.equilibrium_protocol import StaticEquilibriumSolver
 from condyle.sampling.evaluate_chunk import ACCEPTED, INFEASIBLE, evaluate_chunk
+from condyle.sampling.executors import ChunkExecutor, Done, Pending, in_flight
 from condyle.sampling.part_files import damaged, encode_part, read_part, read_part_record
 from condyle.sampling.plan import SamplingPlan
 from condyle.whole_files import write_whole
 
 CANDIDATES_FOLDER: Final = "candidates"
-#: Chunks in flight with an executor: enough to keep many workers busy, few enough to keep memory
-#: flat.
-_IN_FLIGHT: Final = 64
+#: What evaluating a chunk gives: its table and its tally.
+_Evaluated = tuple[pa.Table, dict[str, Any]]
 
 
 @dataclass
@@ -89,7 +88,7 @@ class CandidateStore:
         design_hash: str,
         plan: SamplingPlan,
         solver: StaticEquilibriumSolver,
-        executor: Executor | None,
+        executor: ChunkExecutor | None,
     ) -> None:
         self._directory = directory / CANDIDATES_FOLDER
         self._design_hash = design_hash
@@ -116,25 +115,26 @@ class CandidateStore:
 
     def evaluate(
         self, chunks: Iterator[Chunk], domain: SamplingDomain
-    ) -> Iterator[tuple[Chunk, dict[str, Any]]]:
-        """Each chunk with its record, in order; what is already stored is not evaluated again.
+    ) -> Iterator[tuple[Chunk, dict[str, Any], bool]]:
+        """Each chunk with its record, in order, and whether it was evaluated now: what is stored is not again.
 
         Raises:
             InputDataError: A stored part is damaged or another run's, or a part cannot be written.
+            CondyleError: An executor's workers cannot go on.
         """
-        pending: deque[tuple[Chunk, dict[str, Any] | Future[tuple[pa.Table, dict[str, Any]]]]] = (
-            deque()
-        )
+        pending: deque[tuple[Chunk, dict[str, Any] | Pending[_Evaluated]]] = deque()
+        room = 1 if self._executor is None else in_flight(self._executor)
         try:
             for chunk in chunks:
                 pending.append((chunk, self._stored(chunk) or self._start(chunk, domain)))
-                if self._executor is None or len(pending) >= _IN_FLIGHT:
+                # What is finished is written at once, however much room there is.
+                while pending and (len(pending) >= room or _is_done(pending[0][1])):
                     yield self._finish(*pending.popleft())
             while pending:
                 yield self._finish(*pending.popleft())
         finally:
             for _, work in pending:
-                if isinstance(work, Future):
+                if not isinstance(work, dict):
                     work.cancel()
 
     def _stored(self, chunk: Chunk) -> dict[str, Any] | None:
@@ -148,21 +148,22 @@ class CandidateStore:
                 raise damaged(path, f"its {name} is {record.get(name)!r}, {value!r} belongs here")
         return record
 
-    def _start(
-        self, chunk: Chunk, domain: SamplingDomain
-    ) -> Future[tuple[pa.Table, dict[str, Any]]]:
-        if self._executor is not None:
-            return self._executor.submit(evaluate_chunk, chunk, domain, self._plan, self._solver)
-        done: Future[tuple[pa.Table, dict[str, Any]]] = Future()
-        done.set_result(evaluate_chunk(chunk, domain, self._plan, self._solver))
-        return done
+    def _start(self, chunk: Chunk, domain: SamplingDomain) -> Pending[_Evaluated]:
+        work = (chunk, domain, self._plan, self._solver)
+        if self._executor is None:
+            return Done(evaluate_chunk(*work))
+        return self._executor.submit(evaluate_chunk, *work)
 
     def _finish(
-        self, chunk: Chunk, work: dict[str, Any] | Future[tuple[pa.Table, dict[str, Any]]]
-    ) -> tuple[Chunk, dict[str, Any]]:
+        self, chunk: Chunk, work: dict[str, Any] | Pending[_Evaluated]
+    ) -> tuple[Chunk, dict[str, Any], bool]:
         if isinstance(work, dict):
-            return chunk, work
+            return chunk, work, False
         table, tally = work.result()
         record = {"design": self._design_hash, **chunk.record(), **tally}
         write_whole(self.path(chunk), encode_part(table, record))
-        return chunk, record
+        return chunk, record, True
+
+
+def _is_done(work: dict[str, Any] | Pending[_Evaluated]) -> bool:
+    return isinstance(work, dict) or work.done()

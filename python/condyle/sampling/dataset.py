@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from condyle.conventions import POSE_COLUMNS
 from condyle.errors import InputDataError
 from condyle.sampling.candidate_store import CANDIDATES_FOLDER
-from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS
+from condyle.sampling.equilibrium_protocol import GIVEN_COLUMNS, PRESCRIBED_COLUMNS
 from condyle.sampling.manifest import MANIFEST_NAME, check_same, read_manifest
 from condyle.sampling.part_files import (
     PRESCRIBED_LOADS,
@@ -125,11 +125,13 @@ class Candidates:
 
     Attributes:
         prescribed: (n, 6), columns PRESCRIBED_COLUMNS; NaN where y or θx was prescribed instead.
+        sensitive: (n, 2), columns SENSITIVE_COLUMNS (y [m], θx [rad]); NaN where it was solved for.
         status: (n,) ``accepted`` or the reason of the rejection.
         candidate: (n,) ids.
     """
 
     prescribed: NDArray[np.float64]
+    sensitive: NDArray[np.float64]
     status: NDArray[np.str_]
     candidate: NDArray[np.uint64]
 
@@ -141,7 +143,10 @@ def read_candidates(directory: Path, domain: int) -> Candidates:
         InputDataError: Not a dataset, no candidates of this domain, or a part is damaged.
     """
     directory = Path(directory)
-    design_hash = read_manifest(directory)["design_hash"]
+    manifest = read_manifest(directory)
+    if "design_hash" not in manifest:
+        raise InputDataError(f"{directory}: its samples were imported, without candidates")
+    design_hash = manifest["design_hash"]
     folder = directory / CANDIDATES_FOLDER / f"domain-{domain}"
     paths = [
         path
@@ -150,14 +155,16 @@ def read_candidates(directory: Path, domain: int) -> Candidates:
     ]
     if not paths:
         raise InputDataError(f"{folder} holds no evaluated candidates")
-    names = tuple(f"prescribed_{name}" for name in PRESCRIBED_COLUMNS)
+    names = tuple(f"prescribed_{name}" for name in GIVEN_COLUMNS)
     for path in paths:
         found = read_part_record(path).get("design")
         if found != design_hash:
             raise damaged(path, f"its design is {found!r}, {design_hash!r} belongs here")
     table = pa.concat_tables(read_part(path, ["candidate", "status", *names]) for path in paths)
+    given = columns_array(table, names)
     return Candidates(
-        prescribed=columns_array(table, names),
+        prescribed=given[:, : len(PRESCRIBED_COLUMNS)],
+        sensitive=given[:, len(PRESCRIBED_COLUMNS) :],
         status=np.array(table.column("status").to_pylist(), dtype=np.str_),
         candidate=table.column("candidate").to_numpy(),
     )

@@ -31,34 +31,43 @@ class EnvelopeDomain:
     """See the module docstring.
 
     Attributes:
-        centres: (f, 6) the curves at the f time frames, columns PRESCRIBED_COLUMNS.
+        centres: (f, 6) the curves at the f time frames.
         half_widths: (f, 6) one standard deviation of each variable over the frame's activity.
         activities: (name, time frames) of each activity, in order.
         sizes: (f,) candidates of each time frame in the round that is drawn.
+        columns: The six variables: PRESCRIBED_COLUMNS, with θx for Mx where only y is sensitive.
     """
 
     centres: NDArray[np.float64]
     half_widths: NDArray[np.float64]
     activities: tuple[tuple[str, int], ...]
     sizes: NDArray[np.int64]
+    columns: tuple[str, ...] = PRESCRIBED_COLUMNS
 
     number: ClassVar[int] = 1
     contact_free: ClassVar[bool] = False
 
     @classmethod
-    def around(cls, curves: ReferenceCurves, frames: int) -> EnvelopeDomain:
+    def around(
+        cls,
+        curves: ReferenceCurves,
+        frames: int,
+        columns: tuple[str, ...] = PRESCRIBED_COLUMNS,
+    ) -> EnvelopeDomain:
         """The domain of reference curves, at ``frames`` time frames together."""
         resampled = curves.resampled(frames).curves
-        centres = [_table(curve) for curve in resampled]
+        centres = [_table(curve, columns) for curve in resampled]
         # Over time, however many time frames the curve has or is given here.
         deviations = [
-            _table(curve.resampled(_DEVIATION_FRAMES)).std(axis=0) for curve in curves.curves
+            _table(curve.resampled(_DEVIATION_FRAMES), columns).std(axis=0)
+            for curve in curves.curves
         ]
         return cls(
             np.concatenate(centres),
             np.repeat(deviations, [len(table) for table in centres], axis=0),
             tuple((curve.name, len(curve.time)) for curve in resampled),
             np.zeros(frames, dtype=np.int64),
+            columns,
         )
 
     def with_sizes(self, sizes: NDArray[np.int64]) -> EnvelopeDomain:
@@ -82,24 +91,27 @@ class EnvelopeDomain:
                 shift=seeded_shift(seed, f"domain 1 round {chunk.round_number} frame {frame}"),
             )
             values.append(self.centres[frame] + (2 * unit - 1) * self.half_widths[frame])
-        return Prescribed.from_array(np.concatenate(values))
+        return Prescribed.from_columns(np.concatenate(values), self.columns)
 
     def sources(self, chunk: Chunk) -> NDArray[np.uint64]:
         """Each candidate stands for itself."""
         return chunk.ids()
 
     def envelope(self) -> NDArray[np.float64]:
-        """The 64 corners of every time frame's box, (64 f, 6), columns PRESCRIBED_COLUMNS."""
+        """The 64 corners of every time frame's box, (64 f, 6), columns PRESCRIBED_COLUMNS.
+
+        Mx is NaN where θx is drawn.
+        """
         signs = np.array(list(itertools.product((-1.0, 1.0), repeat=6)))
         corners = self.centres[:, None] + signs * self.half_widths[:, None]
-        return corners.reshape(-1, 6)
+        return Prescribed.from_columns(corners.reshape(-1, 6), self.columns).to_array()
 
     def describe(self) -> dict[str, object]:
         """Time frames and half-widths by activity."""
         firsts = np.cumsum([0] + [frames for _, frames in self.activities])[:-1]
         return {
             "kind": "at each time frame a box of ± one standard deviation over the activity",
-            "columns": list(PRESCRIBED_COLUMNS),
+            "columns": list(self.columns),
             "activities": [
                 {
                     "name": name,
@@ -111,5 +123,5 @@ class EnvelopeDomain:
         }
 
 
-def _table(curve: ReferenceCurve) -> NDArray[np.float64]:
-    return np.column_stack([curve.column(name) for name in PRESCRIBED_COLUMNS])
+def _table(curve: ReferenceCurve, columns: tuple[str, ...]) -> NDArray[np.float64]:
+    return np.column_stack([curve.column(name) for name in columns])

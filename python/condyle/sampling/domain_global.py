@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Domain 2, global: where the activities are, and half as much again around them.
 
-The six sampled variables {x, Fy, z, Mx, θy, θz} of all reference curves, thickened first (see
+The six sampled variables {x, Fy, z, Mx, θy, θz} of all reference curves (θx for Mx where only y is
+a sensitive direction), thickened first (see
 :mod:`condyle.sampling.thickening`), are z-scored; each principal score's [min, max] is widened about
 its middle to 1.5 × its length; the unit cube maps to that box, the first cube coordinate (the most
 even one of a Hammersley set) to the axis of largest variance.
@@ -36,20 +37,28 @@ class GlobalDomain(CubeDomain):
 
     @classmethod
     def around(
-        cls, curves: ReferenceCurves, *, widening: float, margins: Mapping[str, float]
+        cls,
+        curves: ReferenceCurves,
+        *,
+        widening: float,
+        margins: Mapping[str, float],
+        columns: tuple[str, ...] = PRESCRIBED_COLUMNS,
     ) -> GlobalDomain:
         """The domain of reference curves, each thickened by ± its margin in some variables."""
-        values = thickened(curves.table(PRESCRIBED_COLUMNS), PRESCRIBED_COLUMNS, margins)
-        return cls(PrincipalBox.around(values, PRESCRIBED_COLUMNS, widening))
+        values = thickened(curves.table(columns), columns, margins)
+        return cls(PrincipalBox.around(values, columns, widening))
 
     def prescribe(self, unit: NDArray[np.float64]) -> Prescribed:
         """The equilibria of points (n, 6) of the unit cube."""
-        return Prescribed.from_array(self.box.values(unit))
+        return self._prescribed(self.box.values(unit))
 
     def envelope(self) -> NDArray[np.float64]:
-        """The box's 64 corners, (64, 6), columns PRESCRIBED_COLUMNS."""
-        return self.box.corners()
+        """The box's 64 corners, (64, 6), columns PRESCRIBED_COLUMNS; Mx NaN where θx is drawn."""
+        return self._prescribed(self.box.corners()).to_array()
 
     def describe(self) -> dict[str, object]:
         """The box."""
         return {"kind": "box in the principal scores", **self.box.describe()}
+
+    def _prescribed(self, values: NDArray[np.float64]) -> Prescribed:
+        return Prescribed.from_columns(values, self.box.axes.columns)

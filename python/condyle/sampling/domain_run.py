@@ -97,14 +97,24 @@ class DomainRun:
         number, tally = self.target.domain, Tally()
         kept = round_number != PILOT_ROUND
         planned = round_chunks(number, round_number, size, self.context.plan.chunk_rows)
-        for chunk, record in self.context.store.evaluate(planned, domain):
+        for chunk, record, fresh in self.context.store.evaluate(planned, domain):
             tally.add(record)
             if kept:
                 self.chunks.append(chunk)
             if self.context.progress is not None:
                 accepted = self._total.accepted + (tally.accepted if kept else 0)
                 self.context.progress(
-                    SamplingProgress(number, round_number, chunk.stop, size, accepted, self.needed)
+                    SamplingProgress(
+                        number,
+                        round_number,
+                        chunk.stop,
+                        size,
+                        accepted,
+                        self.needed,
+                        chunk.stop - chunk.start,
+                        sum(record["evaluations"].values()),
+                        fresh,
+                    )
                 )
         self.context.log.write(
             f"domain {number} round {round_number}: {tally.accepted} of {size} accepted; "

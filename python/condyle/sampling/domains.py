@@ -58,12 +58,18 @@ class DomainInputs:
 def _envelopes(inputs: DomainInputs) -> EnvelopeDomain:
     (target,) = [t for t in inputs.plan.targets if t.domain == EnvelopeDomain.number]
     frames = round(target.total / inputs.plan.envelope_points)
-    return EnvelopeDomain.around(inputs.curves, max(frames, 2 * len(inputs.curves.names)))
+    frames = max(frames, 2 * len(inputs.curves.names))
+    return EnvelopeDomain.around(inputs.curves, frames, inputs.plan.drawn_columns)
 
 
 def _global(inputs: DomainInputs) -> GlobalDomain:
     plan = inputs.plan
-    return GlobalDomain.around(inputs.curves, widening=plan.widening, margins=plan.margins)
+    return GlobalDomain.around(
+        inputs.curves,
+        widening=plan.widening,
+        margins=plan.margins,
+        columns=plan.drawn_columns,
+    )
 
 
 def _single_sided(inputs: DomainInputs) -> SingleSidedDomain:
@@ -88,6 +94,7 @@ def _boundary(inputs: DomainInputs) -> ContactBoundaryDomain:
         margins=plan.margins,
         max_Fy=plan.boundary_max_Fy,
         max_Mx=plan.boundary_max_Mx,
+        theta_x_drawn="theta_x" not in plan.sensitive_directions,
     )
 
 

@@ -8,7 +8,7 @@ form in a test.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Final
 
@@ -99,7 +99,14 @@ class Prescribed:
     @classmethod
     def from_array(cls, values: NDArray[np.float64]) -> Prescribed:
         """From (n, 6) in the order of PRESCRIBED_COLUMNS."""
-        return cls(**{name: values[:, i] for i, name in enumerate(PRESCRIBED_COLUMNS)})
+        return cls.from_columns(values, PRESCRIBED_COLUMNS)
+
+    @classmethod
+    def from_columns(cls, values: NDArray[np.float64], columns: Sequence[str]) -> Prescribed:
+        """From (n, d) in the order of ``columns``, out of GIVEN_COLUMNS; the rest is not prescribed."""
+        given = dict(zip(columns, values.T, strict=True))
+        nothing = np.full(len(values), np.nan)
+        return cls(**{name: given.get(name, nothing) for name in GIVEN_COLUMNS})
 
     @classmethod
     def from_poses(cls, poses: NDArray[np.float64]) -> Prescribed:

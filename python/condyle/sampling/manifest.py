@@ -72,6 +72,41 @@ def new_manifest(
     return {
         **design,
         "design_hash": content_hash(to_canonical_json(design).encode()),
+        **_description(),
+        "complete": False,
+        "domains": [],
+        "parts": [],
+    }
+
+
+def external_manifest(
+    provenance: Mapping[str, Any], side_of_body: str, domains: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """The manifest of samples that no plan of Condyle's made: no design, plan, curves, candidates.
+
+    Args:
+        provenance: Where they are from; JSON values.
+        side_of_body: left or right.
+        domains: Counts by domain.
+    """
+    return {
+        "format": FORMAT,
+        "identity": {
+            "side_of_body": side_of_body,
+            "implant": {},
+            "contact_law": {"name": "external", "source": provenance["source"]},
+        },
+        "provenance": dict(provenance),
+        **_description(),
+        "complete": False,
+        "domains": domains,
+        "parts": [],
+    }
+
+
+def _description() -> dict[str, Any]:
+    """What the columns mean, and who wrote them."""
+    return {
         "units": {name: UNITS[name] for name in SAMPLE_SCHEMA.names if name in UNITS},
         "frames": _FRAMES,
         "versions": {
@@ -79,9 +114,6 @@ def new_manifest(
             "numpy": np.__version__,
             "pyarrow": pa.__version__,
         },
-        "complete": False,
-        "domains": [],
-        "parts": [],
     }
 
 

@@ -14,6 +14,7 @@ from typing import Final
 
 from condyle.errors import InputDataError
 from condyle.sampling.domain import PAPER_COUNTS
+from condyle.sampling.equilibrium_protocol import PRESCRIBED_COLUMNS, SENSITIVE_COLUMNS
 
 DOMAINS_AVAILABLE: Final = (1, 2, 3, 4, 5, 6)
 
@@ -62,6 +63,8 @@ class SamplingPlan:
         targets: What to keep, one target a domain, in the domains' order. Domains 5 and 6 start from
             domain 4's samples.
         seed: Keys the selection and the split, and shifts every round after the first.
+        sensitive_directions: Where domains 1, 2 and 4 prescribe the load and the pose is solved for:
+            ``("y", "theta_x")``, or ``("y",)`` and θx is part of the pose that they draw.
         max_depth: Overclosure beyond which a sample is rejected [m] (the paper's filter).
         widening: Length of a widened score range over the curves' own.
         margin_x: Reference curves are thickened by ± this in x [m].
@@ -86,6 +89,7 @@ class SamplingPlan:
 
     targets: tuple[DomainTarget, ...]
     seed: int
+    sensitive_directions: tuple[str, ...] = SENSITIVE_COLUMNS
     max_depth: float = 2e-3
     widening: float = 1.5
     margin_x: float = 1e-3
@@ -111,6 +115,11 @@ class SamplingPlan:
             InputDataError: A value outside its limits; the message names the field, the value and
                 the limit.
         """
+        if self.sensitive_directions not in (SENSITIVE_COLUMNS, SENSITIVE_COLUMNS[:1]):
+            raise InputDataError(
+                f"sampling plan: sensitive_directions is {self.sensitive_directions!r}; "
+                "('y', 'theta_x') or ('y',) is needed"
+            )
         ordered = sorted(self.targets, key=lambda target: target.domain)
         object.__setattr__(self, "targets", tuple(ordered))
         numbers = [target.domain for target in self.targets]
@@ -183,6 +192,12 @@ class SamplingPlan:
             train = numbers.get("train", old.train if old else 0)
             named[domain] = DomainTarget(domain, train, numbers.get("test", old.test if old else 0))
         return dataclasses.replace(self, targets=tuple(named[domain] for domain in sorted(named)))
+
+    @property
+    def drawn_columns(self) -> tuple[str, ...]:
+        """What domains 1 and 2 draw: PRESCRIBED_COLUMNS, with θx for Mx where that is not sensitive."""
+        given = "Mx" if "theta_x" in self.sensitive_directions else "theta_x"
+        return tuple(given if name == "Mx" else name for name in PRESCRIBED_COLUMNS)
 
     @property
     def margins(self) -> dict[str, float]:

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reference curves: activities over time, pose and loads. They say where the design space is.
 
-A table of them is a CSV file with the columns ``activity`` (optional), ``time`` [s], x, y, z [m],
-theta_x, theta_y, theta_z [rad], Fy [N], Mx [Nm]: the total contact load on the femur at Fo,
-expressed in T. Further columns are ignored.
+They come from simulated activities (:meth:`ReferenceCurves.from_activities`), from a user's tables
+(:mod:`condyle.sampling.curve_files`) or, where there are none, from the implant's conformity
+(:mod:`condyle.sampling.conformity_curves`): the same kind of object, and whatever is drawn around it
+does not know which.
 """
 
 from __future__ import annotations
 
-import csv
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -141,54 +140,6 @@ class ReferenceCurves:
             )
         return cls(tuple(curves))
 
-    @classmethod
-    def read_csv(cls, path: Path) -> ReferenceCurves:
-        """From a CSV table (see the module docstring).
-
-        Raises:
-            InputDataError: The file cannot be read, a column is missing, or a value is not a
-                number.
-        """
-        try:
-            with open(path, newline="", encoding="utf-8-sig") as file:
-                rows = list(csv.DictReader(file, skipinitialspace=True))
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise InputDataError(
-                f"{path}: cannot be read as a CSV table of reference curves: {error}"
-            ) from error
-        needed = ("time", *CURVE_COLUMNS)
-        if not rows:
-            raise InputDataError(f"{path}: holds no rows of reference curves")
-        missing = [name for name in needed if name not in rows[0]]
-        if missing:
-            raise InputDataError(
-                f"{path}: the column {missing[0]} is missing; needed are {', '.join(needed)}"
-            )
-        by_activity: dict[str, list[list[float]]] = {}
-        for line, row in enumerate(rows, start=2):
-            name = (row.get("activity") or Path(path).stem).strip()
-            by_activity.setdefault(name, []).append(_numbers(path, line, row, needed))
-        try:
-            return cls(
-                tuple(
-                    ReferenceCurve(name, np.array(table)[:, 0], np.array(table)[:, 1:])
-                    for name, table in by_activity.items()
-                )
-            )
-        except InputDataError as error:
-            raise InputDataError(f"{path}: {error}") from error
-
-    def write_csv(self, path: Path) -> None:
-        """Write the table that :meth:`read_csv` reads, with every digit."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(("activity", "time", *CURVE_COLUMNS))
-            for curve in self.curves:
-                for time, values in zip(curve.time, curve.values, strict=True):
-                    writer.writerow(
-                        (curve.name, repr(float(time)), *(repr(float(value)) for value in values))
-                    )
-
     @property
     def names(self) -> tuple[str, ...]:
         """The activities."""
@@ -233,18 +184,3 @@ class ReferenceCurves:
             digest.update(curve.time.astype("<f8").tobytes())
             digest.update(curve.values.astype("<f8").tobytes())
         return digest.hexdigest()
-
-
-def _numbers(
-    path: Path, line: int, row: Mapping[str, str | None], columns: Sequence[str]
-) -> list[float]:
-    numbers = []
-    for name in columns:
-        text = row[name]
-        try:
-            numbers.append(float(text or ""))
-        except ValueError:
-            raise InputDataError(
-                f"{path}, line {line}: {name} is {text!r}; a number is needed"
-            ) from None
-    return numbers

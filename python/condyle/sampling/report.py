@@ -22,6 +22,9 @@ class SamplingProgress:
         round_size: Candidates of this round.
         accepted: Accepted in the domain so far; the pilot's are not counted.
         target: To be accepted in the domain: what it keeps, and what another one takes from it.
+        candidates: Of this chunk.
+        evaluations: Contact evaluations spent on this chunk.
+        fresh: Whether the chunk was evaluated now; otherwise it was there already.
     """
 
     domain: int
@@ -30,6 +33,9 @@ class SamplingProgress:
     round_size: int
     accepted: int
     target: int
+    candidates: int
+    evaluations: int
+    fresh: bool
 
 
 Progress = Callable[[SamplingProgress], None]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from condyle.sampling.domain_run import DomainRun, RunContext
 from condyle.sampling.domains import BoundaryPoints, DomainInputs, build_domain
 from condyle.sampling.envelope_run import EnvelopeRun
 from condyle.sampling.equilibrium_protocol import StaticEquilibriumSolver
+from condyle.sampling.executors import ChunkExecutor
 from condyle.sampling.manifest import MANIFEST_NAME, check_same_design, new_manifest, read_manifest
 from condyle.sampling.part_files import columns_array
 from condyle.sampling.plan import DomainTarget, SamplingPlan
@@ -38,7 +38,7 @@ def sample(
     identity: Mapping[str, Any],
     progress: Progress | None = None,
     *,
-    executor: Executor | None = None,
+    executor: ChunkExecutor | None = None,
 ) -> SamplingReport:
     """Sample a plan into a directory; a run that was stopped, however, goes on where it was.
 
@@ -55,7 +55,8 @@ def sample(
         identity: What is sampled, as JSON values: hashes of implant and contact law, side of body,
             ….
         progress: Called after each chunk.
-        executor: Evaluates chunks (threads, processes, a cluster's); in this thread when None.
+        executor: Evaluates chunks: any of concurrent.futures (threads, processes), or a cluster's
+            (:func:`condyle.sampling.cluster.cluster_executor`); in this thread when None.
 
     Returns:
         Counts, acceptance and cost a domain.
@@ -63,6 +64,7 @@ def sample(
     Raises:
         InputDataError: The directory cannot be written or holds another design's samples, a part is
             damaged, or a domain accepts too few candidates. Parts that are written stay.
+        CondyleError: The executor's workers cannot go on, or would compute other bytes.
     """
     started = time.perf_counter()
     directory = Path(directory)

@@ -22,7 +22,7 @@ from condyle.sampling.selection import DROPPED, SPLIT_NAMES
 from condyle.whole_files import content_hash, write_whole
 
 SAMPLES_FOLDER: Final = "samples"
-_PART_ROWS: Final = 8192
+PART_ROWS: Final = 8192
 
 
 def write_sample_parts(
@@ -36,7 +36,7 @@ def write_sample_parts(
     parts: list[dict[str, Any]] = []
     for run in runs:
         domain = run.target.domain
-        for number, table in enumerate(_of_rows(_sample_tables(run, store), _PART_ROWS)):
+        for number, table in enumerate(_of_rows(_sample_tables(run, store), PART_ROWS)):
             file = f"{SAMPLES_FOLDER}/domain-{domain}-part-{number:05d}.parquet"
             content = encode_part(table, {"design": design_hash, "domain": domain, "part": number})
             write_whole(directory / file, content)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from condyle.errors import CondyleError
@@ -27,12 +28,15 @@ class StudyContext:
         directory: its run directory.
         threads: for contact and sampling; 0 means all cores. No result depends on it.
         reporter: told of progress.
+        scheduler: address of a Dask scheduler whose workers evaluate the samples; None: this machine does. No result
+            depends on it either.
     """
 
     study: Study
     directory: RunDirectory
     threads: int
     reporter: Reporter
+    scheduler: str | None = None
 
     @cached_property
     def reference(self) -> MeshContact:
@@ -63,6 +67,7 @@ class StudyContext:
             integration=integration,
             plausible_depth=1e-3 * contact.plausible_depth_mm,
             cache_directory=self.directory.cache,
+            field_spacing=1e-3 * contact.field_spacing_mm,
         )
 
     @cached_property
@@ -84,6 +89,11 @@ class StudyContext:
             raise CondyleError(f"{self.directory.root}: stage '{stage}' has not finished")
         return outputs
 
+    @property
+    def samples_directory(self) -> Path:
+        """The dataset: the run's own, or the one that the study names."""
+        return self.study.sampling.dataset or self.directory.samples
+
     def activity_digests(self) -> dict[str, str]:
         """What the activities are: the content of files, the names of built-in ones."""
         from condyle.activities import load_case_file
@@ -91,7 +101,16 @@ class StudyContext:
         return {a: digest_of_file(load_case_file(a)) for a in self.study.activities}
 
     def identity(self) -> dict[str, Any]:
-        """What a sample or a surrogate of this study is of: implant meshes and contact law, by content."""
+        """What a sample or a surrogate of this study is of: implant meshes and contact law, by content.
+
+        Of samples from elsewhere, what their own manifest says, with their provenance.
+        """
+        if self.study.sampling.dataset is not None:
+            from condyle.sampling.manifest import read_manifest
+
+            manifest = read_manifest(self.samples_directory)
+            return {**manifest["identity"], "provenance": manifest.get("provenance")}
+        contact = self.study.contact
         return {
             "side_of_body": self.study.implant.side_of_body,
             "implant": {
@@ -100,9 +119,15 @@ class StudyContext:
                 if name.endswith(".stl")
             },
             "contact_law": {
-                **self.study.contact.law.make().describe(),
-                "evaluation": self.study.contact.evaluation,
-                "integration": self.study.contact.integration,
-                "plausible_depth": 1e-3 * self.study.contact.plausible_depth_mm,
+                **contact.law.make().describe(),
+                "evaluation": contact.evaluation,
+                "integration": contact.integration,
+                "plausible_depth": 1e-3 * contact.plausible_depth_mm,
+                # The triangles themselves have no field.
+                **(
+                    {"field_spacing": 1e-3 * contact.field_spacing_mm}
+                    if contact.evaluation == "fast"
+                    else {}
+                ),
             },
         }

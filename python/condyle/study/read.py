@@ -8,11 +8,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from condyle.errors import InputDataError
+from condyle.study.curve_sections import CURVE_SECTIONS
 from condyle.study.law_sections import LAW_SECTIONS
 from condyle.study.schema import Study
 
 _PATHS = ("femur", "insert", "insert_medial", "insert_lateral")
 _LAWS = ("law", "pressure_law")
+#: Keys whose tables are told apart by their ``kind``, and the sections there are.
+_KINDS = {**dict.fromkeys(_LAWS, LAW_SECTIONS), "curves": CURVE_SECTIONS}
 
 
 def read_study(file: Path | str) -> Study:
@@ -50,6 +53,12 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
         law = contact.get(key) if isinstance(contact, dict) else None
         if isinstance(law, dict) and isinstance(law.get("file"), str):
             law["file"] = str(folder / law["file"])
+    sampling = content.get("sampling")
+    if isinstance(sampling, dict) and isinstance(sampling.get("dataset"), str):
+        sampling["dataset"] = str(folder / sampling["dataset"])
+    curves = sampling.get("curves") if isinstance(sampling, dict) else None
+    if isinstance(curves, dict) and isinstance(curves.get("files"), list):
+        curves["files"] = [str(folder / f) if isinstance(f, str) else f for f in curves["files"]]
     activities = content.get("activities")
     if isinstance(activities, list):
         content["activities"] = [
@@ -68,21 +77,24 @@ def _describe(error: Any) -> str:
     if kind == "missing":
         return f"{key}: is missing"
     if kind == "union_tag_not_found":
-        return f"{key}.kind: is missing: must be one of {', '.join(LAW_SECTIONS)}"
+        return f"{key}.kind: is missing: must be one of {', '.join(_KINDS[error['loc'][-1]])}"
     if kind == "union_tag_invalid":
-        return f"{key}.kind = {value['kind']!r}: must be one of {', '.join(LAW_SECTIONS)}"
+        known = ", ".join(_KINDS[error["loc"][-1]])
+        return f"{key}.kind = {value['kind']!r}: must be one of {known}"
     return f"{key} = {value!r}: {error['msg'][0].lower()}{error['msg'][1:]}"
 
 
 def _written(location: tuple[Any, ...]) -> list[Any]:
-    """The keys as the file has them: pydantic puts a law's kind into the path to its parameters."""
+    """The keys as the file has them: pydantic puts a table's kind into the path to its parameters."""
     before = (None, *location)
-    return [part for part, last in zip(location, before, strict=False) if last not in _LAWS]
+    return [part for part, last in zip(location, before, strict=False) if last not in _KINDS]
 
 
 def _known(location: tuple[Any, ...]) -> list[str]:
     model: Any = Study
+    kinds: dict[str, Any] = {}
     for part in location[:-1]:
         field = getattr(model, "model_fields", {}).get(part)
-        model = LAW_SECTIONS.get(part) if field is None else field.annotation
+        model = kinds.get(part) if field is None else field.annotation
+        kinds = _KINDS.get(part, kinds)
     return sorted(getattr(model, "model_fields", {}))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from condyle.study.context import StudyContext
+from condyle.study.external_samples import has_stage, require_stage
 from condyle.study.reporter import Reporter, SilentReporter
 from condyle.study.run_directory import RunDirectory
 from condyle.study.schema import Study
@@ -31,13 +32,20 @@ class StudyRun:
         runs: folder that holds run directories; this one is ``runs/<study.name>``.
         threads: for contact and sampling, 0 for all cores; no result depends on it.
         reporter: told of progress.
+        scheduler: address of a Dask scheduler whose workers evaluate the samples; None: this machine does.
     """
 
     def __init__(
-        self, study: Study, runs: Path, threads: int = 0, reporter: Reporter | None = None
+        self,
+        study: Study,
+        runs: Path,
+        threads: int = 0,
+        reporter: Reporter | None = None,
+        scheduler: str | None = None,
     ) -> None:
+        directory = RunDirectory(Path(runs) / study.name)
         self.context = StudyContext(
-            study, RunDirectory(Path(runs) / study.name), threads, reporter or SilentReporter()
+            study, directory, threads, reporter or SilentReporter(), scheduler
         )
 
     def run(self, until: str = "report") -> None:
@@ -49,8 +57,9 @@ class StudyRun:
         """
         if until not in STAGES:
             raise ValueError(f"stage '{until}': must be one of {', '.join(STAGES)}")
-        for name, stage in STAGES.items():
-            if not stage(self.context):
+        require_stage(self.context.study, until)
+        for name in (name for name in STAGES if has_stage(self.context.study, name)):
+            if not STAGES[name](self.context):
                 self.context.reporter.skipped(name)
             if name == until:
                 return

@@ -8,12 +8,22 @@ study file.
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from condyle.study.curve_sections import ActivityCurvesSection, CurvesSection
 from condyle.study.law_sections import LawSection, LinearVolumeSection
 from condyle.study.section import Positive, Section
 
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
+#: Built-in load cases, of the kinds that the paper sampled around (condyle.activities.BUILT_IN; a test compares).
+BUILT_IN_ACTIVITIES = (
+    "iso_like_gait",
+    "turn_like_gait",
+    "leg_swing_like",
+    "chair_rise_like",
+    "squat_like",
+)
+_SENSITIVE = (["y", "theta_x"], ["y"])
 
 
 class ImplantSection(Section):
@@ -64,6 +74,7 @@ class ContactSection(Section):
             kinematics, not pressure.
         pressure_law: the law for pressure maps alone, at the loads that ``law`` gives; ``law`` itself if not given.
         evaluation: ``fast`` (smooth distance field) or ``exact`` (the triangles themselves).
+        field_spacing_mm: cells of that field; finer ones follow the triangles' facets more closely, at more memory.
         integration: whose faces are integrated: ``insert``, ``femur`` or ``both`` (the mean); pressure maps are always
             of the insert's.
         plausible_depth_mm: overlaps deeper than this are flagged, and rejected by sampling.
@@ -72,6 +83,7 @@ class ContactSection(Section):
     law: LawSection = LinearVolumeSection()
     pressure_law: LawSection | None = None
     evaluation: Literal["fast", "exact"] = "fast"
+    field_spacing_mm: Annotated[float, Field(ge=0.1, le=2)] = 0.3
     integration: Literal["insert", "femur", "both"] = "insert"
     plausible_depth_mm: Annotated[float, Field(gt=0, le=10)] = 2.0
 
@@ -100,9 +112,14 @@ class SamplingSection(Section):
         preset: numbers of samples: ``quick`` or ``standard`` (domains 2 and 4), ``paper_tenth`` or ``paper`` (all six).
         targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``.
         seed: of the design and of the split.
+        curves: what to sample around, see :mod:`condyle.study.curve_sections`; the study's activities by default.
+        sensitive_directions: where loads are sampled, not the pose: ``["y", "theta_x"]`` (Fy and Mx), ``["y"]`` (Fy,
+            and theta_x as part of the pose), or ``auto``: the first, if the contact's stiffness agrees.
         margin_x_mm: reference curves are thickened by ± this in x before the domains are drawn around them.
         margin_z_mm: likewise in z.
         margin_theta_y_deg: likewise in θy.
+        dataset: directory of samples that are there already, imported ones for instance (docs/samples.md); nothing is
+            sampled then, and no other key of this section goes with it.
     """
 
     preset: Literal["quick", "standard", "paper_tenth", "paper"] = "quick"
@@ -111,9 +128,26 @@ class SamplingSection(Section):
         dict[Literal["train", "test"], Annotated[int, Field(ge=0)]],
     ] = Field(default_factory=dict)
     seed: Seed = 2017
+    curves: CurvesSection = ActivityCurvesSection()
+    sensitive_directions: Literal["auto"] | tuple[str, ...] = "auto"
     margin_x_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
     margin_z_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
     margin_theta_y_deg: Annotated[float, Field(ge=0, le=25)] = 1.0
+    dataset: Path | None = None
+
+    @model_validator(mode="after")
+    def _samples_or_a_plan(self) -> Self:
+        others = sorted(self.model_fields_set - {"dataset"})
+        if self.dataset is not None and others:
+            raise ValueError(f"{others[0]} does not go with dataset: nothing is sampled")
+        return self
+
+    @field_validator("sensitive_directions", mode="before")
+    @classmethod
+    def _can_be_solved_for(cls, value: Any) -> Any:
+        if value == "auto" or (isinstance(value, (list, tuple)) and list(value) in _SENSITIVE):
+            return value
+        raise ValueError(f'{value!r}: must be "auto", ["y", "theta_x"] or ["y"]')
 
 
 class TrainingSection(Section):
@@ -146,7 +180,7 @@ class Study(Section):
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
-    activities: tuple[str, ...] = ("iso_like_gait", "squat_like")
+    activities: tuple[str, ...] = BUILT_IN_ACTIVITIES
     implant: ImplantSection = ImplantSection(preset="curved")
     contact: ContactSection = ContactSection()
     simulator: SimulatorSection = SimulatorSection()
@@ -161,6 +195,17 @@ class Study(Section):
             raise ValueError("activities names a load case twice")
         return self
 
+    @model_validator(mode="after")
+    def _uses_what_it_says(self) -> Self:
+        """A dataset brings no contact that could be evaluated, so nothing is simulated."""
+        unused = sorted(self.model_fields_set & {"activities", "contact", "implant", "simulator"})
+        if self.sampling.dataset is not None and unused:
+            raise ValueError(
+                f"{unused[0]} does not go with sampling.dataset: the samples say whose they are, and there is "
+                "no reference contact to simulate with"
+            )
+        return self
+
     def canonical(self, *sections: str) -> dict[str, Any]:
         """The values of some sections as plain JSON data, for hashing.
 
@@ -171,4 +216,6 @@ class Study(Section):
         if "contact" in values:
             del values["contact"]["pressure_law"]
             values["contact"]["law"] = self.contact.law.make().describe()
+        if "sampling" in values:
+            values["sampling"]["curves"] = self.sampling.curves.canonical()
         return values

@@ -10,16 +10,22 @@ import re
 from pathlib import Path
 
 from condyle._core.surrogate import (
+    HybridContactModel,
     OnnxContactModel,
+    Runtime,
     onnxruntime_library,
     onnxruntime_version,
+    runtime_from_name,
     set_library_path,
 )
 
 __all__ = [
+    "HybridContactModel",
     "OnnxContactModel",
+    "Runtime",
     "onnxruntime_library",
     "onnxruntime_version",
+    "runtime_from_name",
     "wheel_library",
 ]
 

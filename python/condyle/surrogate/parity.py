@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same ONNX file in three runtimes: do they give the same numbers?
 
-The C++ core, onnxruntime's Python module and ``onnx.reference`` (plain NumPy, the standard's own)
-evaluate a file at the same poses. For each output and each of its components (a load, a derivative
-of a load), with b the values of ``onnx.reference``:
+The C++ core (fused, where it knows the file's graph, and through onnxruntime), onnxruntime's Python
+module and ``onnx.reference`` (plain NumPy, the standard's own) evaluate a file at the same poses.
+For each output and each of its components (a load, a derivative of a load), with b the values of
+``onnx.reference``:
 
     excess = max |a − b| / (1e-9·|b| + 1e-9·RMS(b over poses and sides));   at most 1 is agreement.
 """
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from condyle.contact import Derivatives
 from condyle.surrogate.file import load_surrogate
+from condyle.surrogate.library import Runtime
 
 RELATIVE_LIMIT = 1e-9
 
@@ -36,10 +38,13 @@ def runtime_differences(path: str | os.PathLike[str], poses: Array) -> list[dict
     poses = np.ascontiguousarray(poses, dtype=np.float64)
     expected = _onnx_reference(path, poses)
     rows = []
-    for runtime, values in (
-        ("condyle C++", _core(path, poses)),
-        ("onnxruntime Python", _onnxruntime(path, poses)),
-    ):
+    results = {
+        "condyle C++": _core(path, poses, "onnxruntime"),
+        "onnxruntime Python": _onnxruntime(path, poses),
+    }
+    if load_surrogate(path).runtime == Runtime.fused:
+        results["condyle fused"] = _core(path, poses, "fused")
+    for runtime, values in results.items():
         for output, b in expected.items():
             difference, excess = _excess(values[output], b)
             rows.append(
@@ -55,8 +60,8 @@ def runtime_differences(path: str | os.PathLike[str], poses: Array) -> list[dict
     return rows
 
 
-def _core(path: str | os.PathLike[str], poses: Array) -> dict[str, Array]:
-    model = load_surrogate(path)
+def _core(path: str | os.PathLike[str], poses: Array, runtime: str) -> dict[str, Array]:
+    model = load_surrogate(path, runtime=runtime)
     derivatives = Derivatives.stiffness if model.has_stiffness else Derivatives.none
     loads = model.evaluate(poses, derivatives, 1)
     return {name: getattr(loads, name) for name in ("wrench", "stiffness", "error", "trust")}

@@ -86,7 +86,7 @@ def add_two_stage(graph: GraphBuilder, surrogate: TwoStageSurrogate, *, stiffnes
 
 
 def add_trust(graph: GraphBuilder, trust: TrustModel) -> None:
-    """Adds ``error`` (N, 2, 6) and ``trust`` (N,) from ``pose`` and the gated Fy of ``wrench``.
+    """Adds ``error`` (N, 2, 6) and ``trust`` (N,) from ``pose`` and the gated ``wrench``.
 
     See :mod:`condyle.training.trust` for the formulas.
     """
@@ -104,30 +104,40 @@ def add_trust(graph: GraphBuilder, trust: TrustModel) -> None:
     offset = graph.constant("error.offset", trust.error_offset)
     graph.node("Add", [graph.node("Mul", [fy, slope], "error.load_part"), offset], "error")
 
-    # Scaled by the ramp beforehand, trust is one subtraction from the largest score.
-    gain = 1.0 / (2.0 * trust.ramp)
-    axes = graph.constant("trust.axes", gain * trust.axes.T)
-    centre = graph.constant("trust.offset", gain * trust.offset)
-    scores = graph.node("Gemm", ["pose", axes, centre], "trust.scores")
-    matrix = graph.constant("trust.height_matrix", gain * trust.height_matrix)
-    vector = graph.constant("trust.height_vector", gain * trust.height_vector)
+    _add_domains(graph, trust)
+
+
+def _add_domains(graph: GraphBuilder, trust: TrustModel) -> None:
+    """Adds ``trust`` from ``pose`` and ``wrench``, see :mod:`condyle.training.sampled_domains`."""
+    domains = trust.domains
+    cells, rows = domains.offset.shape
+    matrix = graph.constant("trust.height_matrix", domains.height_matrix)
+    vector = graph.constant("trust.height_vector", domains.height_vector)
     halfway = graph.node("Gemm", ["pose", matrix, vector], "trust.height_gradient")
     products = graph.node("Mul", [halfway, "pose"], "trust.height_products")
-    axis = graph.integers("axis_1", [1])
-    raw = graph.node("ReduceSum", [products, axis], "trust.height_sum", keepdims=1)
-    shift = graph.constant("trust.height_offset", np.array(gain * trust.height_offset))
-    height = graph.node("Add", [raw, shift], "trust.height")
-    inverse = graph.constant("trust.inverse_max_Fy", (gain / trust.max_fy)[:, None])
-    loads = graph.node("Mul", [fy, inverse], "trust.loads")
+    # The height stays a sum of six terms: the cells' weights add them up.
     flat = graph.node(
-        "Reshape", [loads, graph.integers("trust.loads_shape", [-1, _N_SIDES])], "trust.flat_loads"
+        "Reshape",
+        ["wrench", graph.integers("trust.wrench_shape", [-1, _N_SIDES * _N_LOADS])],
+        "trust.wrench",
     )
-    # The loads are gated, so never negative: one Abs serves all.
-    joined = graph.node("Concat", [scores, height, flat], "trust.joined", axis=1)
-    sizes = graph.node("Abs", [joined], "trust.sizes")
-    largest = graph.node("ReduceMax", [sizes], "trust.largest", axes=[1], keepdims=0)
-    level = graph.constant("trust.level", np.array(0.5 + gain * (1.0 + trust.margin)))
-    ramp = graph.node("Sub", [level, largest], "trust.ramp")
+    joined = graph.node("Concat", ["pose", flat, products], "trust.features", axis=1)
+    weights = domains.matrix.reshape(cells * rows, -1)
+    height = weights[:, -1:]
+    spread = np.concatenate([weights[:, :-1], np.repeat(height, _N_POSE, axis=1)], axis=1)
+    shift = domains.offset.reshape(-1) + height[:, 0] * domains.height_offset
+    # Scaled by the ramp beforehand, trust is one subtraction from the excess.
+    gain = 1.0 / (2.0 * trust.ramp)
+    weights_name = graph.constant("trust.weights", gain * spread.T)
+    shift_name = graph.constant("trust.shift", gain * shift)
+    scores = graph.node("Gemm", [joined, weights_name, shift_name], "trust.scores")
+    sizes = graph.node("Abs", [scores], "trust.sizes")
+    shape = graph.integers("trust.cells_shape", [-1, cells, rows])
+    by_cell = graph.node("Reshape", [sizes, shape], "trust.by_cell")
+    largest = graph.node("ReduceMax", [by_cell], "trust.largest", axes=[2], keepdims=0)
+    excess = graph.node("ReduceMin", [largest], "trust.excess", axes=[1], keepdims=0)
+    level = graph.constant("trust.level", np.array(0.5 + gain * trust.edge))
+    ramp = graph.node("Sub", [level, excess], "trust.ramp")
     zero, one = graph.constant("zero", np.array(0.0)), graph.constant("one", np.array(1.0))
     graph.node("Clip", [ramp, zero, one], "trust")
 

@@ -13,7 +13,7 @@ from condyle.training.mlp_least_squares import Precision
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    """How the three networks of a two-stage surrogate are trained.
+    """How a surrogate's networks are trained.
 
     Attributes:
         hidden_layers: Number of hidden layers of each network (the paper: 3).
@@ -30,6 +30,7 @@ class TrainingSettings:
             :mod:`condyle.training.two_stage`.
         second_stage_inputs: Whether nets II and III learn from the ``true`` Fy and Mx or from those
             that net I ``predicted``, which are what they will be given in use.
+        power: p of the potential surrogate's energy, > 2; see :mod:`condyle.training.potential`.
         seed: Seed of the initial weights.
         threads: Threads of the linear algebra; part of the record, since rounding depends on it.
         precision: Of the normal equations' products.
@@ -46,6 +47,7 @@ class TrainingSettings:
     min_grad: float = 1e-7
     lift_off: Literal["one_sided", "zero"] = "one_sided"
     second_stage_inputs: Literal["true", "predicted"] = "predicted"
+    power: float = 2.5
     seed: int = 1
     threads: int = 1
     precision: Precision = "float64"
@@ -73,6 +75,10 @@ class TrainingSettings:
             )
         if self.patience < 0:
             raise InputDataError(f"training setting patience is {self.patience!r}; it must be >= 0")
+        if not 2 < self.power <= 6:
+            raise InputDataError(
+                f"training setting power is {self.power!r}; it must be above 2, at most 6"
+            )
         if self.seed < 0:
             raise InputDataError(f"training setting seed is {self.seed!r}; it must be >= 0")
         for name, allowed in (

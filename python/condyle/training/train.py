@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from condyle.conventions import SIDES
-from condyle.errors import InputDataError
+from condyle.training.checkpoint import Checkpoint
 from condyle.training.input_data import FY, check_samples, data_hash
 from condyle.training.levenberg_marquardt import (
     LevenbergMarquardt,
@@ -31,15 +31,12 @@ from condyle.training.mlp_least_squares import MlpLeastSquares
 from condyle.training.networks import MinMaxMap, TanhMlp
 from condyle.training.record import NetRecord, TrainingRecord, versions
 from condyle.training.settings import TrainingSettings
-from condyle.training.torch_file import read_torch_file, write_atomically
 from condyle.training.two_stage import (
     FIRST_STAGE_LOADS,
     NET_NAMES,
     SECOND_STAGE_LOADS,
     TwoStageSurrogate,
 )
-
-_CHECKPOINT_FORMAT = "condyle two_stage training checkpoint, version 1"
 
 
 class ProgressCallback(Protocol):
@@ -67,33 +64,6 @@ class NetProblem:
     targets: Tensor
     weights: Tensor | None = None
     one_sided: Tensor | None = None
-
-
-class _Checkpoint:
-    """States of the nets so far, in one file; without a path it remembers nothing."""
-
-    def __init__(self, path: Path | None, key: dict[str, Any]) -> None:
-        self._path, self._key = path, key
-        self._states: dict[str, dict[str, Any]] = {}
-        if path is not None and path.exists():
-            values = read_torch_file(path, _CHECKPOINT_FORMAT)
-            for name, value in key.items():
-                if values["key"].get(name) != value:
-                    raise InputDataError(
-                        f"{path}: checkpoint of another training: {name} is "
-                        f"{values['key'].get(name)!r}, here {value!r}; delete it to start anew"
-                    )
-            self._states = values["states"]
-
-    def state(self, net: str) -> LevenbergMarquardtState | None:
-        values = self._states.get(net)
-        return None if values is None else LevenbergMarquardtState.from_dict(values)
-
-    def update(self, net: str, state: LevenbergMarquardtState) -> None:
-        if self._path is not None:
-            self._states[net] = state.to_dict()
-            values = {"format": _CHECKPOINT_FORMAT, "key": self._key, "states": self._states}
-            write_atomically(self._path, values)
 
 
 def train_two_stage(
@@ -124,7 +94,7 @@ def train_two_stage(
     settings = settings or TrainingSettings()
     poses, wrenches = check_samples(poses, wrenches, settings.min_loaded_rows)
     key = {"data_hash": data_hash(poses, wrenches), **settings.to_dict()}
-    store = _Checkpoint(None if checkpoint is None else Path(checkpoint), key)
+    store = Checkpoint(None if checkpoint is None else Path(checkpoint), key)
     nets: list[TanhMlp] = []
     records: list[NetRecord] = []
     times: dict[str, float] = {}

@@ -12,21 +12,13 @@ conformal prediction, Lei et al. 2018, with the usual (n + 1) correction). Only 
 side is truly loaded take part: those in which it is lifted are mostly exact zeros and would flatter
 the bound.
 
-**trust.** A pose is compared with the training's in three ways, each scaled so that the training
-fills [-1, 1] (loads: [0, 1]):
+**trust.** With m how far a pose is out of the sampled domains (1 on the edge of one; see
+:mod:`condyle.training.sampled_domains`),
 
-- u_1 ... u_6, its scores on the principal axes of the z-scored training poses;
-- u_h, its height: y above a quadratic function of the other five coordinates, fitted to the
-training
-  poses. Contact ties y to the others within a millimetre or two, on a surface too curved for the
-  box;
-- Fy/Fy_max, the predicted compression of each side relative to the largest of the training.
+    trust = clip(1/2 − (m − edge) / (2·ramp), 0, 1),
 
-    m = max(|u_1|, ..., |u_6|, |u_h|, Fy_medial/Fy_max, Fy_lateral/Fy_max),
-    trust = clip(1/2 − (m − edge) / (2·ramp), 0, 1),   edge = 1 + margin.
-
-Gaps inside these bounds are not noticed, and overclosure in the pose's other sensitive direction,
-θx, only through the load.
+where ``edge`` lets ``false_alarms`` of the held-out samples be out, and is 1 to 1.1. Gaps inside
+the domains are not noticed.
 
 References: Lei, G'Sell, Rinaldo, Tibshirani & Wasserman (2018), J Am Stat Assoc 113(523):1094-1111,
 doi:10.1080/01621459.2017.1307116. Koenker & Bassett (1978), Econometrica 46(1):33-50,
@@ -36,6 +28,7 @@ doi:10.2307/1913643.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -45,10 +38,13 @@ from numpy.typing import ArrayLike, NDArray
 from condyle.conventions import LOAD_COLUMNS, POSE_COLUMNS, SIDES
 from condyle.errors import InputDataError
 from condyle.training.input_data import FY, as_poses, as_wrenches
+from condyle.training.sampled_domains import SampledDomains
 
 #: Candidates for b/a in units of 1/Fy_max: from a constant bound to one that all but vanishes with
 #: the load.
 _SLOPE_RATIOS = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+#: Held-out samples further out than this are not of the domains that the training's are.
+_WIDEST_EDGE = 1.1
 #: Fewest loaded held-out rows a side that say anything about a 95 % quantile in each half.
 _MIN_HELD_OUT = 50
 
@@ -73,14 +69,11 @@ class TrustModel:
         held_out_rmse: Root mean square residual (2, 6) of held-out loaded rows [N, Nm].
         held_out_max: Largest residual (2, 6) of held-out loaded rows [N, Nm].
         n_held_out: Held-out rows in which the (medial, lateral) side is loaded.
-        axes: (6, 6), row k maps a pose to u_k: u = axes @ pose + offset.
-        offset: (6,).
-        height_matrix: (6, 6), height_vector: (6,), height_offset: u_h = pᵀ·matrix·p + vector·p +
-            offset.
+        domains: Where the training samples lie.
         max_fy: Largest Fy of each side in training (2,) [N].
         pose_min: Smallest training pose, per coordinate (6,) [m, rad].
         pose_max: Largest (6,).
-        margin: See the module docstring.
+        edge: See the module docstring.
         ramp: Half width of the ramp of trust.
     """
 
@@ -91,16 +84,12 @@ class TrustModel:
     held_out_rmse: NDArray[np.float64]
     held_out_max: NDArray[np.float64]
     n_held_out: tuple[int, int]
-    axes: NDArray[np.float64]
-    offset: NDArray[np.float64]
-    height_matrix: NDArray[np.float64]
-    height_vector: NDArray[np.float64]
-    height_offset: float
+    domains: SampledDomains
     max_fy: NDArray[np.float64]
     pose_min: NDArray[np.float64]
     pose_max: NDArray[np.float64]
-    margin: float = 0.05
-    ramp: float = 0.1
+    edge: float
+    ramp: float = 0.05
 
     @classmethod
     def calibrate(
@@ -111,7 +100,10 @@ class TrustModel:
         held_out_poses: ArrayLike,
         held_out_wrenches: ArrayLike,
         *,
+        train_domain: NDArray[np.int64] | None = None,
+        definitions: Sequence[Mapping[str, Any]] = (),
         level: float = 0.95,
+        false_alarms: float = 0.01,
         seed: int = 1,
     ) -> TrustModel:
         """Bounds and domain from samples.
@@ -122,7 +114,10 @@ class TrustModel:
             train_wrenches: (n, 2, 6) their wrenches.
             held_out_poses: (m, 6) poses it has not seen, from the same domains.
             held_out_wrenches: (m, 2, 6) their wrenches.
+            train_domain: (n,) the training samples' domains, if they are known.
+            definitions: What the dataset's manifest says of them (``domains``).
             level: Coverage of ``error``.
+            false_alarms: Share of held-out samples that may be called outside.
             seed: Of the split of the held-out rows into two halves.
 
         Raises:
@@ -137,8 +132,9 @@ class TrustModel:
         predicted = model.wrench(held_out_poses)
         max_fy = train_wrenches[:, :, FY].max(axis=0)
         tables, counts = _error_tables(predicted, truth, max_fy, level, seed)
-        axes, offset = _principal_box(train_poses)
-        height = _height_above_training(train_poses)
+        domains = SampledDomains.around(train_poses, train_wrenches, train_domain, definitions)
+        outside = np.sort(domains.excess(held_out_poses, predicted))
+        rank = min(math.ceil((len(outside) + 1) * (1 - false_alarms)), len(outside))
         return cls(
             level=level,
             error_offset=tables["offset"],
@@ -147,11 +143,8 @@ class TrustModel:
             held_out_rmse=tables["rmse"],
             held_out_max=tables["max"],
             n_held_out=counts,
-            axes=axes,
-            offset=offset,
-            height_matrix=height[0],
-            height_vector=height[1],
-            height_offset=height[2],
+            domains=domains,
+            edge=min(max(1.0, float(outside[rank - 1])), _WIDEST_EDGE),
             max_fy=max_fy,
             pose_min=train_poses.min(axis=0),
             pose_max=train_poses.max(axis=0),
@@ -165,12 +158,8 @@ class TrustModel:
     def trust(self, poses: ArrayLike, wrenches: NDArray[np.float64]) -> NDArray[np.float64]:
         """Trust (n,) at poses (n, 6) with predicted wrenches (n, 2, 6); below 0.5: do not use."""
         poses = as_poses(poses)
-        scores = np.abs(poses @ self.axes.T + self.offset)
-        height = ((poses @ self.height_matrix + self.height_vector) * poses).sum(axis=1)
-        heights = np.abs(height + self.height_offset)[:, None]
-        loads = wrenches[:, :, FY] / self.max_fy
-        excess = np.concatenate([scores, heights, loads], axis=1).max(axis=1)
-        ramp: NDArray[np.float64] = 0.5 - (excess - (1 + self.margin)) / (2 * self.ramp)
+        outside = self.domains.excess(poses, wrenches) - self.edge
+        ramp: NDArray[np.float64] = 0.5 - outside / (2 * self.ramp)
         return ramp.clip(0.0, 1.0)
 
     def error_table(self) -> dict[str, Any]:
@@ -195,17 +184,13 @@ class TrustModel:
         return table
 
     def domain_bounds(self) -> dict[str, Any]:
-        """JSON-able bounds of the training poses and loads, and the box of ``trust``."""
+        """JSON-able bounds of the training poses and loads, and the cells of ``trust``."""
         return {
             "pose_min": dict(zip(POSE_COLUMNS, self.pose_min.tolist(), strict=True)),
             "pose_max": dict(zip(POSE_COLUMNS, self.pose_max.tolist(), strict=True)),
             "max_Fy": dict(zip(SIDES, self.max_fy.tolist(), strict=True)),
-            "box_axes": self.axes.tolist(),
-            "box_offset": self.offset.tolist(),
-            "height_matrix": self.height_matrix.tolist(),
-            "height_vector": self.height_vector.tolist(),
-            "height_offset": self.height_offset,
-            "margin": self.margin,
+            "cells": list(self.domains.names),
+            "edge": self.edge,
             "ramp": self.ramp,
         }
 
@@ -262,53 +247,3 @@ def _fit_bound(
     # there is none.
     rank = min(math.ceil((len(scores) + 1) * level), len(scores))
     return best_ratio, float(scores[rank - 1])
-
-
-def _principal_box(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(axes, offset) such that axes @ pose + offset fills [-1, 1] on each principal axis."""
-    mean, deviation = poses.mean(axis=0), poses.std(axis=0)
-    # A coordinate that never moved has no spread: any move of a micrometre or microradian is then
-    # outside.
-    deviation = np.maximum(deviation, 1e-6)
-    scored = (poses - mean) / deviation
-    _, _, directions = np.linalg.svd(scored, full_matrices=False)
-    # The sign of a singular vector is arbitrary; fix it for reproducible files.
-    largest = np.abs(directions).argmax(axis=1)
-    directions = directions * np.sign(directions[np.arange(len(directions)), largest])[:, None]
-    scores = scored @ directions.T
-    low, high = scores.min(axis=0), scores.max(axis=0)
-    half_width = (high - low) / 2
-    half_width = np.where(half_width > 1e-9, half_width, 1.0)
-    axes = directions / deviation / half_width[:, None]
-    return axes, -(axes @ mean) - (high + low) / (2 * half_width)
-
-
-def _height_above_training(
-    poses: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """(matrix, vector, offset) of u_h, see the module docstring; matrix is symmetric."""
-    y = POSE_COLUMNS.index("y")
-    mean, deviation = poses.mean(axis=0), np.maximum(poses.std(axis=0), 1e-6)
-    others = np.delete((poses - mean) / deviation, y, axis=1)
-    i, j = np.triu_indices(others.shape[1])
-    terms = np.column_stack([np.ones(len(poses)), others, others[:, i] * others[:, j]])
-    coefficients = np.linalg.lstsq(terms, poses[:, y], rcond=None)[0]
-    residuals = poses[:, y] - terms @ coefficients
-    half = np.ptp(residuals) / 2
-    half = half if half > 1e-9 else 1e-6
-    # Back from the scaled coordinates of the others to the pose: y = c + b·z + zᵀAz with z = (p −
-    # mean)/σ.
-    keep = np.delete(np.arange(len(POSE_COLUMNS)), y)
-    linear, quadratic = np.zeros(len(keep)), np.zeros((len(keep), len(keep)))
-    linear[:] = coefficients[1 : 1 + len(keep)]
-    quadratic[i, j] = coefficients[1 + len(keep) :]
-    quadratic = (quadratic + quadratic.T) / 2
-    slope = np.zeros(len(POSE_COLUMNS))
-    curvature = np.zeros((len(POSE_COLUMNS), len(POSE_COLUMNS)))
-    slope[keep] = linear / deviation[keep]
-    curvature[np.ix_(keep, keep)] = quadratic / np.outer(deviation[keep], deviation[keep])
-    middle = (residuals.max() + residuals.min()) / 2
-    constant = coefficients[0] - slope @ mean + mean @ curvature @ mean + middle
-    vector = 2 * curvature @ mean - slope
-    vector[y] += 1.0
-    return -curvature / half, vector / half, float(-constant / half)

@@ -265,9 +265,9 @@ TEST_CASE("weights that are not finite are found when the file is read [error]")
     return std::string(reinterpret_cast<const char*>(&value), sizeof value);
   };
   REQUIRE(damaged.replace(bytes(kScale[kLateral][2]), bytes(std::nan(""))));
-  CHECK(refusal(damaged.write()) ==
-        damaged.write().string() +
-            ": output wrench is not finite at the pose 0: the file's weights are damaged");
+  const std::string message = refusal(damaged.write());
+  CHECK(message.starts_with(damaged.write().string() + ": constant "));
+  CHECK(message.ends_with(" is not finite: the file's weights are damaged"));
 }
 
 TEST_CASE("an overflowing wrench is not trusted [property]") {

@@ -65,7 +65,9 @@ def test_mistakes_are_named(tmp_path: Path, lines: tuple[str, ...], message: str
 
 def test_unknown_name_lists_the_built_in_ones() -> None:
     with pytest.raises(
-        InputDataError, match="'hop': no such file, and not one of iso_like_gait, squat_like"
+        InputDataError,
+        match="'hop': no such file, and not one of iso_like_gait, turn_like_gait, leg_swing_like, "
+        "chair_rise_like, squat_like",
     ):
         load_case("hop")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from condyle._core.common import clinical_kinematics, side_of_body, twist_map
-from condyle.activities import LoadCase, load_case
+from condyle.activities import BUILT_IN, LoadCase, load_case
 from condyle.contact import Derivatives, MeshContact
 from condyle.errors import InputDataError
 from condyle.fdk import (
@@ -39,6 +39,16 @@ def gait() -> LoadCase:
 @pytest.fixture(scope="module")
 def right(right_knee: MeshContact, gait: LoadCase) -> KneeSimulation:
     return simulate_knee(right_knee, gait)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_every_built_in_activity_is_borne(right_knee: MeshContact, name: str) -> None:
+    case = thinned(load_case(name), 6)
+    result = simulate_knee(right_knee, case)
+    assert set(result.status) == {"converged"}, result.summary
+    # What was applied along y is what the contact carries: springs and torque add nothing there.
+    carried = result.wrenches[:, :, 1].sum(axis=1)
+    np.testing.assert_allclose(carried, case.axial_force, atol=0.01 + 1e-9)
 
 
 def test_every_time_frame_is_in_equilibrium(

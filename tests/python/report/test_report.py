@@ -12,7 +12,7 @@ from condyle.report import render_tables
 pytest.importorskip("matplotlib")
 
 from condyle.report.implant_figures import implant_figure
-from condyle.report.sample_figures import domain_figure, parity_figure
+from condyle.report.sample_figures import parity_figure
 from condyle.report.simulation_figures import Trace, kinematics_figure, loads_figure
 from condyle.report.style import house_style, save
 
@@ -74,6 +74,27 @@ def test_the_error_of_the_fast_contact_is_told_by_load():
     assert "Error not measured: no seated pose." in render_tables("knee", {"fast_error": unknown})
 
 
+def test_samples_from_elsewhere_are_told_with_their_source():
+    provenance = {
+        "source": "rollers", "file": "knee.csv", "sha256": "0123456789abcdef", "split": {"by": "keyed hash"},
+        "units": {"length": "mm", "angle": "deg", "force": "kN", "moment": "Nmm"},
+    }  # fmt: skip
+    domains = [{"domain": 0, "train": 80, "test": 14}, {"domain": 4, "train": 5, "test": 1}]
+    text = render_tables(
+        "knee", {"external_samples": {"provenance": provenance, "domains": domains}}
+    )
+    assert "rollers (knee.csv, in mm, deg, kN, Nmm, SHA-256 0123456789ab…; split by" in text
+    assert "| none | 80 | 14 |\n| 4 | 5 | 1 |" in text
+    assert "rollers" not in render_tables(
+        "knee", {"external_samples": {"provenance": None, "domains": domains}}
+    )
+
+
+def test_figures_are_shown_by_their_paths():
+    text = render_tables("knee", {}, ["figures/parity.png"])
+    assert text.endswith("## Figures\n\n![parity](figures/parity.png)\n")
+
+
 def test_a_run_without_results_has_a_title_only():
     assert render_tables("knee", {}) == "# knee\n"
 
@@ -89,7 +110,6 @@ def test_figures_are_drawn_and_the_same_data_give_the_same_bytes(tmp_path):
     drawings = {
         "loads": lambda: loads_figure("gait", traces),
         "kinematics": lambda: kinematics_figure("gait", traces),
-        "samples": lambda: domain_figure(POSES, WRENCHES, DOMAINS, {"gait": (POSES, WRENCHES)}),
         "parity": lambda: parity_figure(WRENCHES, WRENCHES + 1.0, rows),
         "implant": lambda: implant_figure(
             (vertices, faces),

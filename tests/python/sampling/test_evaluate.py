@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rocking_knee import SIX_DOMAINS, rocking_contact, rocking_curves
 
-from condyle.contact import Derivatives, Mesh, MeshContact
+from condyle.contact import Derivatives, MeshContact
 from condyle.errors import InputDataError
 from condyle.sampling import (
     Dataset,
     DomainTarget,
     Prescribed,
-    ReferenceCurve,
     ReferenceCurves,
     SamplingPlan,
     sample,
@@ -20,52 +20,17 @@ from condyle.sampling import (
 from condyle.sampling.equilibrium_protocol import check_solved
 from condyle.sampling.evaluate import equilibrium_solver
 
-RADIUS = 0.0221
-HEIGHT = 0.0113  # of the compartments [m]
 PLAN = SamplingPlan((DomainTarget(2, 30, 5), DomainTarget(4, 17, 3)), seed=5, pilot=32)
-
-
-def grid(points: np.ndarray) -> Mesh:
-    """A surface of points (rows, columns, 3), normals along d/d(column) × d/d(row)."""
-    rows, columns = points.shape[:2]
-    a = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    faces = np.concatenate(
-        [
-            np.stack([a, a + 1, a + columns + 1], 1),
-            np.stack([a, a + columns + 1, a + columns], 1),
-        ]
-    )
-    return Mesh(points.reshape(-1, 3), np.ascontiguousarray(faces.astype(np.int32)))
 
 
 @pytest.fixture(scope="module")
 def contact() -> MeshContact:
-    def compartment(z: float) -> Mesh:
-        x, dz = np.meshgrid(np.linspace(-0.017, 0.017, 25), np.linspace(-0.009, 0.009, 13))
-        return grid(np.stack([x, np.full_like(x, HEIGHT), z + dz], -1).transpose(1, 0, 2))
-
-    angle, z = np.meshgrid(np.linspace(-2.8, 2.8, 90), np.linspace(-0.041, 0.041, 5))
-    # Below the axis at angle 0; seen from outside, the angle runs with x and z to the right.
-    femur = np.stack([RADIUS * np.sin(angle), -RADIUS * np.cos(angle), z], -1)
-    return MeshContact(grid(femur), compartment(-0.0213), compartment(0.0213), "right")
+    return rocking_contact()
 
 
 @pytest.fixture(scope="module")
 def curves() -> ReferenceCurves:
-    t = np.linspace(0, 1, 60)
-    w = 2 * np.pi * t
-    fy = 330 + 150 * np.sin(w) + 60 * np.cos(3 * w)
-    columns = [
-        0.002 * np.cos(w + 0.7),
-        np.full_like(t, HEIGHT + RADIUS),
-        0.0007 * np.sin(w - 1.1) + 0.0003 * np.cos(4 * w),
-        0.002 * np.sin(w),
-        0.03 * np.cos(2 * w - 0.4),
-        -0.4 + 0.3 * np.sin(w + 2.0),
-        fy,
-        0.006 * fy * np.sin(2 * w + 0.3),
-    ]
-    return ReferenceCurves((ReferenceCurve("rocking", t, np.column_stack(columns)),))
+    return rocking_curves()
 
 
 def test_samples_of_a_mesh_contact_carry_what_was_prescribed(
@@ -87,13 +52,13 @@ def test_samples_of_a_mesh_contact_carry_what_was_prescribed(
     assert all(1 < row.evaluations_per_accepted < 20 for row in report.domains)
 
 
-def test_two_threads_give_the_bytes_of_one(
+def test_any_number_of_threads_gives_the_same_bytes_in_all_six_domains(
     contact: MeshContact, curves: ReferenceCurves, tmp_path: Path, content
 ) -> None:
-    for threads in (1, 2):
-        solver = equilibrium_solver(contact, max_depth=PLAN.max_depth, threads=threads)
-        sample(PLAN, curves, solver, tmp_path / str(threads), contact.mesh_hashes())
-    assert content(tmp_path / "1") == content(tmp_path / "2")
+    for threads in (1, 2, 4):
+        solver = equilibrium_solver(contact, max_depth=SIX_DOMAINS.max_depth, threads=threads)
+        sample(SIX_DOMAINS, curves, solver, tmp_path / str(threads), contact.mesh_hashes())
+        assert content(tmp_path / str(threads)) == content(tmp_path / "1")
 
 
 def test_an_answer_keeps_to_the_protocol_and_names_what_is_off(contact: MeshContact) -> None:

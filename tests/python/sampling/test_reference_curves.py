@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from condyle.errors import InputDataError
 from condyle.sampling import CURVE_COLUMNS, PRESCRIBED_COLUMNS, ReferenceCurve, ReferenceCurves
-
-HEADER = "activity,time,x,y,z,theta_x,theta_y,theta_z,Fy,Mx"
-ROW = "walk,{},0.003,0.031,0.001,0.01,0.02,-0.5,812.5,3.25"
 
 
 def activity(count: int = 17) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -27,22 +23,6 @@ def test_simulated_activities_carry_the_pose_and_the_total_loads() -> None:
     table = curves.table(PRESCRIBED_COLUMNS)
     assert np.array_equal(table[:, 0], poses[:, 0])
     assert np.array_equal(table[:, 5], poses[:, 5])
-
-
-def test_a_csv_table_gives_back_what_was_written(curves: ReferenceCurves, tmp_path: Path) -> None:
-    curves.write_csv(tmp_path / "curves.csv")
-    back = ReferenceCurves.read_csv(tmp_path / "curves.csv")
-    assert back.names == ("walk", "squat")
-    assert back.content_hash() == curves.content_hash()
-
-
-def test_a_csv_table_without_activities_is_one_named_after_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "stairs.csv"
-    rows = [ROW.format(time).removeprefix("walk,") for time in (0.0, 0.25)]
-    path.write_text("\n".join([HEADER.removeprefix("activity,"), *rows]))
-    curves = ReferenceCurves.read_csv(path)
-    assert curves.names == ("stairs",)
-    assert curves.curves[0].column("Fy").tolist() == [812.5, 812.5]
 
 
 def test_content_hash_depends_on_names_and_values(curves: ReferenceCurves) -> None:
@@ -118,25 +98,3 @@ def test_wrong_shapes_and_sets_are_refused() -> None:
         ReferenceCurve("walk", time[:1], np.full((1, 8), 0.1))
     with pytest.raises(InputDataError, match="cannot share 1 time frames"):
         ReferenceCurves((curve,)).resampled(1)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "curves.csv: holds no rows"),
-        (HEADER.replace(",Mx", "") + "\n" + ROW.format(0), "curves.csv: the column Mx is missing"),
-        (f"{HEADER}\n{ROW.format(0)}\n{ROW.format('later')}", "line 3: time is 'later'; a number"),
-        (f"{HEADER}\n{ROW.format(0)}\nwalk,0.1,0.2", "line 3: y is None; a number"),
-        (f"{HEADER}\n{ROW.format(0)}\n{ROW.format(0)}", "curves.csv: .*time does not increase"),
-    ],
-)
-def test_bad_tables_are_refused_by_file_and_line(tmp_path: Path, text: str, message: str) -> None:
-    path = tmp_path / "curves.csv"
-    path.write_text(text)
-    with pytest.raises(InputDataError, match=message):
-        ReferenceCurves.read_csv(path)
-
-
-def test_a_missing_table_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputDataError, match=r"nowhere\.csv: cannot be read.*No such file"):
-        ReferenceCurves.read_csv(tmp_path / "nowhere.csv")

@@ -3,10 +3,6 @@ import dataclasses
 import errno
 import json
 import os
-import signal
-import subprocess
-import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -121,39 +117,6 @@ def test_a_run_killed_between_the_last_candidate_and_the_manifest_is_finished(
         with pytest.raises(KeyboardInterrupt):
             sample(plan, curves, SpringSolver(), tmp_path, IDENTITY)
     sample(plan, curves, SpringSolver(stop_after=0), tmp_path, IDENTITY)
-    assert content(tmp_path) == content(whole)
-
-
-def test_sigkill_in_the_middle_loses_nothing(
-    whole: Path,
-    plan: SamplingPlan,
-    curves: ReferenceCurves,
-    tmp_path: Path,
-    content,
-    test_environment,
-) -> None:
-    script = (
-        "import sys; from spring_contact import SpringSolver, spring_curves\n"
-        "from condyle.sampling import DomainTarget, SamplingPlan, sample\n"
-        "targets = (DomainTarget(2, 170, 30), DomainTarget(4, 85, 15))\n"
-        "plan = SamplingPlan(targets=targets, seed=2017, pilot=48, chunk_rows=64)\n"
-        f"identity = {IDENTITY!r}\n"
-        "sample(plan, spring_curves(), SpringSolver(pause=0.1), sys.argv[1], identity)\n"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, str(tmp_path)], env=test_environment, stderr=subprocess.PIPE
-    )
-    deadline = time.monotonic() + 60
-    while len(list(tmp_path.rglob("part-*.parquet"))) < 4 and time.monotonic() < deadline:
-        assert process.poll() is None, process.stderr.read().decode()
-        time.sleep(0.01)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
-    assert process.returncode == -signal.SIGKILL
-    rest = SpringSolver()
-    sample(plan, curves, rest, tmp_path, IDENTITY)
-    total = len([name for name in content(whole) if name.startswith("candidates/")])
-    assert 0 < rest.calls <= total - 4
     assert content(tmp_path) == content(whole)
 
 

@@ -75,6 +75,19 @@ def test_the_run_directory_holds_what_was_promised(runs):
     assert not list(root.rglob("*.tmp"))
 
 
+def test_the_samples_say_what_they_were_drawn_around(runs):
+    from condyle.sampling import read_table
+
+    root = runs / "small"
+    curves = read_table(root / "tables" / "reference_curves.csv")
+    assert curves.names == tuple(SMALL["activities"])
+    manifest = json.loads((root / "samples" / "manifest.json").read_text())
+    assert manifest["curves"]["hash"] == curves.content_hash()
+    assert manifest["plan"]["sensitive_directions"] == ["y", "theta_x"]
+    table = json.loads((root / "tables" / "samples.json").read_text())["sensitive_directions"]
+    assert table["stiffness"]["y"]["unit"] == "N/mm"
+
+
 def test_the_surrogate_says_whose_it_is(runs):
     from condyle.surrogate import describe
 
@@ -86,7 +99,11 @@ def test_the_surrogate_says_whose_it_is(runs):
 
 def test_runtimes_agree(runs):
     parity = json.loads((runs / "small" / "tables" / "parity.json").read_text())
-    assert {row["runtime"] for row in parity} == {"condyle C++", "onnxruntime Python"}
+    assert {row["runtime"] for row in parity} == {
+        "condyle C++",
+        "condyle fused",
+        "onnxruntime Python",
+    }
     assert {row["output"] for row in parity} == {"wrench", "stiffness", "error", "trust"}
     assert all(row["agrees"] for row in parity), parity
 

@@ -44,8 +44,8 @@ def test_paths_are_relative_to_the_study(tmp_path):
     [
         (
             "[sampling]\nseeds = 3\n",
-            "sampling.seeds: unknown key (value 3); known: margin_theta_y_deg, margin_x_mm, margin_z_mm, preset, "
-            "seed, targets",
+            "sampling.seeds: unknown key (value 3); known: curves, dataset, margin_theta_y_deg, margin_x_mm, "
+            "margin_z_mm, preset, seed, sensitive_directions, targets",
         ),
         (
             "nme = 'a'\n",

@@ -14,7 +14,9 @@ import pytest
 from condyle.contact import ContactModel, Derivatives
 from condyle.errors import CondyleError, InputDataError
 from condyle.surrogate import (
+    HybridContactModel,
     OnnxContactModel,
+    Runtime,
     describe,
     load_surrogate,
     onnxruntime_library,
@@ -119,6 +121,62 @@ def test_a_pose_that_is_not_finite_is_refused_by_row(tiny_file: Path, poses: np.
     bad[37, 4] = np.nan
     with pytest.raises(ValueError, match=r"^row 37: pose: theta_y is nan: must be finite$"):
         load_surrogate(tiny_file).evaluate(bad, Derivatives.none, 1)
+
+
+def test_an_exported_file_is_fused_unless_told_otherwise(
+    exported: tuple[Path, Path], tiny_file: Path
+) -> None:
+    model = load_surrogate(exported[0])
+    assert model.runtime == Runtime.fused
+    assert model.fused_refusal == ""
+    assert model.instruction_set in ("baseline", "avx2", "avx512")
+    assert load_surrogate(exported[0], runtime="onnxruntime").runtime == Runtime.onnxruntime
+    assert describe(exported[0])["runtime"] == "fused"
+    other = load_surrogate(tiny_file)
+    assert other.runtime == Runtime.onnxruntime
+    assert "net_I" in other.fused_refusal
+    assert describe(tiny_file)["runtime"].startswith("onnxruntime (not fused: ")
+    with pytest.raises(InputDataError, match="the fused runtime does not know its graph"):
+        load_surrogate(tiny_file, runtime="fused")
+    with pytest.raises(InputDataError, match="must be auto, fused or onnxruntime"):
+        load_surrogate(tiny_file, runtime="gpu")
+
+
+def test_a_fused_surrogate_needs_no_onnxruntime(exported: tuple[Path, Path]) -> None:
+    code = (
+        "from condyle.surrogate import load_surrogate; "
+        f"print(load_surrogate({str(exported[0])!r}).runtime.name)"
+    )
+    assert _run(code, CONDYLE_ONNXRUNTIME="/nowhere/lib.so") == "fused"
+
+
+def test_weights_that_are_no_numbers_are_refused_by_name(
+    exported: tuple[Path, Path], tmp_path: Path
+) -> None:
+    model = onnx.load(exported[0])
+    weights = {tensor.name: tensor for tensor in model.graph.initializer}["net_I.weight_2"]
+    values = onnx.numpy_helper.to_array(weights).copy()
+    values[3, 5] = np.nan
+    weights.CopyFrom(onnx.numpy_helper.from_array(values, weights.name))
+    onnx.save(model, tmp_path / "damaged.onnx")
+    with pytest.raises(InputDataError, match=r"constant net_I\.weight_2 is not finite"):
+        load_surrogate(tmp_path / "damaged.onnx")
+
+
+def test_a_hybrid_takes_the_reference_where_trust_is_low(
+    exported: tuple[Path, Path], poses: np.ndarray
+) -> None:
+    surrogate = load_surrogate(exported[0])
+    reference = load_surrogate(exported[0], runtime="onnxruntime")
+    hybrid = HybridContactModel(surrogate, reference)
+    loads = hybrid.evaluate(poses, Derivatives.none, 1)
+    low = surrogate.evaluate(poses, Derivatives.none, 1).trust < 0.5
+    assert 0 < low.sum() < len(poses)
+    assert hybrid.reference_calls == low.sum()
+    logged, trust = hybrid.log
+    np.testing.assert_array_equal(logged, poses[low])
+    assert (trust < 0.5).all()
+    assert loads.wrench.shape == (len(poses), 2, 6)
 
 
 def _changed(file: Path, tmp_path: Path, key: str, value: str | None) -> Path:

@@ -23,7 +23,7 @@ def run(context: StudyContext) -> bool:
 
     def work() -> list[Path]:
         context.reporter.stage("evaluate", "held-out samples, parity")
-        dataset = Dataset.read(context.directory.samples)
+        dataset = Dataset.read(context.samples_directory)
         test = dataset.split == "test"
         model = load_surrogate(context.directory.surrogate)
         loads = model.evaluate(dataset.poses[test], Derivatives.none, context.threads)

@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 import condyle
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
+from condyle.study.external_samples import has_stage
 from condyle.study.pressure import pressure_pose
+from condyle.study.sample_figures import sample_figure_files
 from condyle.study.simulation_files import read_simulation
 from condyle.whole_files import write_whole
 
 TABLES = (
     "fast_error",
     "samples",
+    "external_samples",
     "sample_errors",
     "simulation_loads",
     "simulation_kinematics",
@@ -30,10 +33,11 @@ TABLES = (
 
 def run(context: StudyContext) -> bool:
     """Merges the stages' tables and draws the figures."""
-    inputs = {
-        stage: context.outputs_of(stage)
-        for stage in ("implant", "reference", "sample", "train", "evaluate", "simulate")
-    } | {"version": condyle.__version__, "pressure_law": _pressure_law(context)}
+    stages = ("implant", "reference", "sample", "train", "evaluate", "simulate")
+    inputs: dict[str, Any] = {
+        stage: context.outputs_of(stage) for stage in stages if has_stage(context.study, stage)
+    }
+    inputs |= {"version": condyle.__version__, "pressure_law": _pressure_law(context)}
 
     def work() -> list[Path]:
         context.reporter.stage("report", "tables and figures")
@@ -41,9 +45,11 @@ def run(context: StudyContext) -> bool:
         tables = {name: directory.read_table(name) for name in TABLES}
         json_file, markdown_file = directory.root / "tables.json", directory.root / "tables.md"
         write_whole(json_file, json.dumps(tables, indent=1) + "\n")
-        write_whole(markdown_file, render_tables(context.study.name, tables))
-        figures = _figures(context)
-        context.reporter.finished("report", f"{markdown_file}, {len(figures)} figures")
+        figures = [*_simulation_figures(context), _parity_figure(context)]
+        shown = [f.relative_to(directory.root) for f in (*sample_figure_files(context), *figures)]
+        text = render_tables(context.study.name, tables, [f.as_posix() for f in shown])
+        write_whole(markdown_file, text)
+        context.reporter.finished("report", f"{markdown_file}, {len(shown)} figures")
         return [json_file, markdown_file, *figures]
 
     return context.directory.run_stage("report", inputs, work)
@@ -54,24 +60,21 @@ def _pressure_law(context: StudyContext) -> dict[str, str | float] | None:
     return None if law is None else law.make().describe()
 
 
-def _figures(context: StudyContext) -> list[Path]:
-    from condyle.contact import Derivatives
-    from condyle.report.sample_figures import domain_figure, parity_figure
+def _simulation_figures(context: StudyContext) -> list[Path]:
+    """Loads, kinematics and pressure of each activity; none without a reference contact."""
     from condyle.report.simulation_figures import Trace, kinematics_figure, loads_figure
     from condyle.report.style import house_style, save
-    from condyle.sampling import Dataset
-    from condyle.surrogate import load_surrogate
 
+    if not has_stage(context.study, "simulate"):
+        return []
     folder = context.directory.figures
     made = []
     with house_style():
-        curves = {}
         for name in context.load_cases:
             known, predicted = (
                 read_simulation(context.directory.simulations / f"{name}_{model}.csv")
                 for model in ("reference", "surrogate")
             )
-            curves[name] = (known["poses"], known["wrenches"])
             traces = [
                 Trace(label, t["time"], t["wrenches"], t["kinematics"])
                 for label, t in (("reference", known), ("surrogate", predicted))
@@ -79,16 +82,24 @@ def _figures(context: StudyContext) -> list[Path]:
             made.append(save(loads_figure(name, traces), folder / f"{name}_loads.png"))
             made.append(save(kinematics_figure(name, traces), folder / f"{name}_kinematics.png"))
             made.append(_draw_pressure(context, name, known, folder / f"{name}_pressure.png"))
-        dataset = Dataset.read(context.directory.samples)
-        figure = domain_figure(dataset.poses, dataset.wrenches, dataset.domain, curves)
-        made.append(save(figure, folder / "samples.png"))
-        test = dataset.split == "test"
-        model = load_surrogate(context.directory.surrogate)
-        loads = model.evaluate(dataset.poses[test], Derivatives.none, context.threads)
-        statistics = context.directory.read_table("sample_errors")
-        figure = parity_figure(dataset.wrenches[test], loads.wrench, statistics)
-        made.append(save(figure, folder / "parity.png"))
     return made
+
+
+def _parity_figure(context: StudyContext) -> Path:
+    """The surrogate against held-out samples."""
+    from condyle.contact import Derivatives
+    from condyle.report.sample_figures import parity_figure
+    from condyle.report.style import house_style, save
+    from condyle.sampling import Dataset
+    from condyle.surrogate import load_surrogate
+
+    test = Dataset.read(context.samples_directory).select(split="test")
+    model = load_surrogate(context.directory.surrogate)
+    loads = model.evaluate(test.poses, Derivatives.none, context.threads)
+    statistics = context.directory.read_table("sample_errors")
+    with house_style():
+        figure = parity_figure(test.wrenches, loads.wrench, statistics)
+        return save(figure, context.directory.figures / "parity.png")
 
 
 def _draw_pressure(

@@ -4,6 +4,7 @@
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import condyle
 from condyle.errors import CondyleError
@@ -21,6 +22,12 @@ def run(context: StudyContext) -> bool:
     return context.directory.run_stage("train", inputs, lambda: _train(context))
 
 
+def _provenance(identity: dict[str, Any]) -> dict[str, Any]:
+    """Where the samples are from, if not from a study."""
+    provenance = identity.get("provenance")
+    return {} if provenance is None else {"provenance": provenance}
+
+
 def _train(context: StudyContext) -> list[Path]:
     from condyle.sampling import Dataset
     from condyle.training.onnx_export import (
@@ -34,7 +41,7 @@ def _train(context: StudyContext) -> list[Path]:
     from condyle.training.trust import TrustModel
 
     section, directory = context.study.training, context.directory
-    dataset = Dataset.read(directory.samples)
+    dataset = Dataset.read(context.samples_directory)
     train, test = dataset.split == "train", dataset.split == "test"
     context.reporter.stage(
         "train", f"{int(train.sum())} samples, {section.neurons} neurons x {section.hidden_layers}"
@@ -67,13 +74,16 @@ def _train(context: StudyContext) -> list[Path]:
         dataset.wrenches[train],
         dataset.poses[test],
         dataset.wrenches[test],
+        train_domain=dataset.domain[train],
+        definitions=dataset.manifest.get("domains", ()),
     )
     identity = context.identity()
     metadata = SurrogateMetadata(
-        side_of_body=context.study.implant.side_of_body,
+        side_of_body=identity["side_of_body"],
         implant=identity["implant"],
         contact_law=identity["contact_law"],
-        training=record.to_dict(history=False) | {"samples": context.outputs_of("sample")},
+        training=record.to_dict(history=False)
+        | {"samples": context.outputs_of("sample"), **_provenance(identity)},
     )
     export_onnx(directory.surrogate, surrogate, trust, metadata)
     export_wrench_only_onnx(directory.surrogate_wrench, surrogate, trust, metadata)
