@@ -49,6 +49,10 @@ class _Pass:
     layer_inputs: list[Tensor]
     outputs: Tensor
 
+    def select(self, rows: Tensor) -> _Pass:
+        """The same of some rows (n,) bool."""
+        return _Pass([inputs[rows] for inputs in self.layer_inputs], self.outputs[rows])
+
 
 class MlpLeastSquares:
     """Fit of a tanh MLP with linear output, as a ``LeastSquaresProblem``.
@@ -127,6 +131,14 @@ class MlpLeastSquares:
             errors, root_weights = self._errors(rows, forward.outputs)
             total += float((errors * errors).sum())
             n_errors += int((root_weights > 0).sum())
+            taught = (root_weights > 0).any(dim=1)
+            if not taught.all():
+                # Rows without an active error (poses out of contact, mostly) cost a forward pass.
+                forward, errors, root_weights = (
+                    forward.select(taught),
+                    errors[taught],
+                    root_weights[taught],
+                )
             deltas = _back_propagate(layers, forward, root_weights)
             for index, delta in enumerate(deltas):
                 # Σ_j e_j δ^j: ordinary back-propagation of the errors, kept in float64 (it sets the

@@ -124,7 +124,7 @@ def _boxes(definitions: Sequence[Mapping[str, Any]]) -> dict[int, Array]:
     """The scores' rows [a | b] of every domain whose box is known, in v."""
     boxes = {}
     for entry in definitions:
-        definition = entry["definition"]
+        definition = entry.get("definition", {})  # none of samples from elsewhere
         if "score_low" in definition:
             boxes[int(entry["domain"])] = _box_rows(definition)
     if 4 in boxes:

@@ -92,7 +92,7 @@ def test_an_unknown_key_in_a_study(condyle, tmp_path):
     assert result.returncode == 2
     assert result.stderr.strip() == (
         "condyle: knee.toml: contact.modulus: unknown key (value 3.0); "
-        "known: evaluation, integration, law, plausible_depth_mm, pressure_law"
+        "known: evaluation, field_spacing_mm, integration, law, plausible_depth_mm, pressure_law"
     )
     assert not (tmp_path / "runs").exists()
 
