@@ -16,7 +16,7 @@ CACHE=$ROOT/.cache
 # The CPU build by its exact version: a plain `torch` may bring gigabytes of CUDA libraries.
 TORCH_VERSION=2.13.0
 SYSTEM_PACKAGES=(build-essential ccache libcgal-dev libeigen3-dev doctest-dev libcli11-dev nlohmann-json3-dev
-  python3-dev python3-venv)
+  python3-dev python3-venv valgrind)
 
 say() { printf '\033[1m▸ %s\033[0m\n' "$*"; }
 

@@ -12,6 +12,7 @@
 #include "condyle/io/load_case_table.hpp"
 #include "condyle/io/pose_table.hpp"
 #include "condyle/io/table.hpp"
+#include "condyle/surrogate/hybrid_contact_model.hpp"
 #include "condyle/surrogate/module_folder.hpp"
 #include "condyle/surrogate/onnx_contact_model.hpp"
 #include "implant_options.hpp"
@@ -26,6 +27,14 @@ struct SimulateOptions {
   std::string load_case;
   std::string out;
   double insert_width = 0.0;  // 0: from the meshes, or the simulator's default
+  bool hybrid = false;
+  std::string reference_calls;  // file for the hybrid's log; none if empty
+};
+
+/// What is simulated with; `hybrid` is the same object as `contact`, if it is one.
+struct SimulatedModel {
+  std::shared_ptr<const contact::ContactModel> contact;
+  std::shared_ptr<const surrogate::HybridContactModel> hybrid;
 };
 
 /// The load case delivered with the program.
@@ -38,22 +47,63 @@ std::filesystem::path default_load_case() {
   return file;
 }
 
-/// The contact model of the options; sets the insert's width where meshes tell it.
-std::unique_ptr<contact::ContactModel> read_model(const ImplantOptions& options,
-                                                  fdk::KneeSimulatorSettings& settings) {
-  if (options.surrogate.empty()) {
-    auto contact = read_mesh_contact(options);
-    settings.insert_width = contact->insert_width();
-    return contact;
-  }
-  require_no_meshes(options);
-  auto model = std::make_unique<surrogate::OnnxContactModel>(
+std::shared_ptr<const surrogate::OnnxContactModel> read_surrogate(const ImplantOptions& options) {
+  auto model = std::make_shared<const surrogate::OnnxContactModel>(
       options.surrogate, surrogate::runtime_from_name(options.runtime));
   if (!model->has_stiffness()) {
     throw std::invalid_argument(options.surrogate +
                                 ": has the output wrench alone; a simulation needs stiffness");
   }
   return model;
+}
+
+/// The contact model of the options; sets the insert's width where meshes tell it.
+SimulatedModel read_model(const SimulateOptions& options, fdk::KneeSimulatorSettings& settings) {
+  const ImplantOptions& implant = options.implant;
+  if (options.hybrid && implant.surrogate.empty()) {
+    throw std::invalid_argument("--hybrid needs --surrogate FILE.onnx beside the meshes");
+  }
+  if (options.hybrid && implant.femur.empty()) {
+    throw std::invalid_argument("--hybrid needs meshes beside --surrogate: --femur is missing");
+  }
+  if (!options.reference_calls.empty() && !options.hybrid) {
+    throw std::invalid_argument("--reference-calls goes with --hybrid only");
+  }
+  if (!implant.surrogate.empty() && !options.hybrid) {
+    require_no_meshes(implant);
+    return {read_surrogate(implant), nullptr};
+  }
+  const std::shared_ptr<const contact::MeshContact> meshes = read_mesh_contact(implant);
+  settings.insert_width = meshes->insert_width();
+  if (!options.hybrid) return {meshes, nullptr};
+  const auto hybrid =
+      std::make_shared<const surrogate::HybridContactModel>(read_surrogate(implant), meshes);
+  return {hybrid, hybrid};
+}
+
+/// How often the reference was called, for people; empty unless `model` is a hybrid.
+std::string reference_calls_text(const SimulatedModel& model,
+                                 const fdk::KneeSimulation& simulation) {
+  if (!model.hybrid) return {};
+  long evaluations = 0;
+  for (const fdk::KneeFrame& frame : simulation.frames) evaluations += frame.evaluations;
+  // The springs' references may have been settled on the model before the first time frame.
+  return "; the reference was called " + std::to_string(model.hybrid->reference_calls()) +
+         " times (contact evaluations over the time frames: " + std::to_string(evaluations) + ")";
+}
+
+/// Where the reference was called, and the surrogate's trust there.
+io::Table reference_calls_table(const surrogate::HybridContactModel& hybrid) {
+  std::vector<Pose> poses;
+  std::vector<double> trust;
+  for (const auto& call : hybrid.log()) {
+    poses.push_back(call.pose);
+    trust.push_back(call.trust);
+  }
+  io::Table table;
+  io::add_poses(table, poses);
+  table.add_column("trust", std::move(trust));
+  return table;
 }
 
 void add_clinical(io::Table& table, const std::vector<fdk::KneeFrame>& frames) {
@@ -107,17 +157,22 @@ int run(const SimulateOptions& options) {
   const fdk::LoadCase load_case = io::read_load_case(
       options.load_case.empty() ? default_load_case() : std::filesystem::path(options.load_case));
   fdk::KneeSimulatorSettings settings;
-  const auto model = read_model(options.implant, settings);
+  const SimulatedModel model = read_model(options, settings);
   if (options.insert_width != 0.0) settings.insert_width = options.insert_width;
 
-  const fdk::KneeSimulation simulation = fdk::simulate_knee(*model, load_case, settings);
+  const fdk::KneeSimulation simulation = fdk::simulate_knee(*model.contact, load_case, settings);
   io::write_whole(options.out,
                   io::to_csv(simulation_table(load_case, simulation, settings.newton)));
+  if (!options.reference_calls.empty()) {
+    io::write_whole(options.reference_calls, io::to_csv(reference_calls_table(*model.hybrid)));
+  }
+  const std::string said =
+      options.out + ": " + fdk::summary(simulation) + reference_calls_text(model, simulation);
   if (!simulation.converged()) {
-    std::cerr << "condyle-sim: " << options.out << ": " << fdk::summary(simulation) << '\n';
+    std::cerr << "condyle-sim: " << said << '\n';
     return kNumericsFailed;
   }
-  std::cout << options.out << ": " << fdk::summary(simulation) << '\n';
+  std::cout << said << '\n';
   return 0;
 }
 
@@ -137,6 +192,15 @@ void add_simulate(CLI::App& program, int& exit_code) {
       ->add_option("--insert-width", options->insert_width,
                    "Width of the insert along z [m] (default: the meshes'; 0.074 with a surrogate)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_flag("--hybrid", options->hybrid,
+                 "The surrogate where it trusts itself, elsewhere the meshes; give both")
+      ->group("Implant as surrogate");
+  command
+      ->add_option("--reference-calls", options->reference_calls,
+                   "CSV to write: poses that --hybrid called the reference for (the first 1000), "
+                   "and the surrogate's trust there")
+      ->group("Implant as surrogate");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

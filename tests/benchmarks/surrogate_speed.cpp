@@ -2,14 +2,16 @@
 // How long one pose takes by a surrogate, fused and through onnxruntime, beside the mesh contact it
 // stands for, in one run and on one thread: see README.md.
 //
-//   benchmark_surrogate_speed [SURROGATE.onnx [WRENCH_ONLY.onnx]]
+//   benchmark_surrogate_speed [SURROGATE.onnx ...]
 //
-// Without arguments, the files of runs/dm, else of runs/demo. A surrogate takes as long everywhere
-// but where a side is free, whose second net is left out: so rows of both kinds are printed.
+// Any surrogate files, of any architecture, full or wrench-only; without arguments, the files of
+// runs/dm, else of runs/demo. A surrogate takes as long everywhere but where a side is free, most
+// of whose work is left out: so rows of both kinds are printed.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -55,16 +57,34 @@ double microseconds(const std::function<void()>& call, double seconds_a_round) {
   return 1e6 * least;
 }
 
-/// Poses at which the surrogate says that both sides press, or that none or one does.
-std::vector<Pose> draw_poses(const ContactModel& model, bool both_loaded) {
+/// A number of the file's domain bounds, JSON of one object a bound.
+double bound(const std::string& bounds, const std::string& which, const char* coordinate) {
+  const auto begin = bounds.find('"' + which + '"');
+  const std::string key = std::string("\"") + coordinate + "\": ";
+  const auto at = begin == std::string::npos ? begin : bounds.find(key, begin);
+  if (at == std::string::npos) throw std::runtime_error("domain_bounds has no " + which);
+  return std::strtod(bounds.c_str() + at + key.size(), nullptr);
+}
+
+/// Poses of the box that the surrogate was trained in, at which it says that both sides press, or
+/// that none or one does.
+std::vector<Pose> draw_poses(const OnnxContactModel& model, bool both_loaded) {
+  const std::string& bounds = model.metadata().at("condyle.domain_bounds");
+  Pose low, high;
+  constexpr std::array kCoordinates{"x", "y", "z", "theta_x", "theta_y", "theta_z"};
+  for (int i = 0; i < 6; ++i) {
+    const char* name = kCoordinates[static_cast<std::size_t>(i)];
+    low[i] = bound(bounds, "pose_min", name);
+    high[i] = bound(bounds, "pose_max", name);
+  }
+  // Domains reach far above contact.
+  high[kY] = std::min(high[kY], low[kY] + 0.006);
   std::mt19937_64 generator(20260711);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::vector<Pose> poses;
   for (int draws = 0; poses.size() < kPoses && draws < 2'000'000; ++draws) {
     Pose pose;
-    pose << 0.006 + 0.005 * uniform(generator), 0.0415 + 0.0025 * uniform(generator),
-        0.001 * uniform(generator), 0.03 * uniform(generator), 0.1 * uniform(generator),
-        -0.5 + 0.5 * uniform(generator);
+    for (int i = 0; i < 6; ++i) pose[i] = low[i] + uniform(generator) * (high[i] - low[i]);
     const auto loads = model.evaluate(pose, Derivatives::kNone);
     const bool both = loads.wrench[kMedial][1] > 0.0 && loads.wrench[kLateral][1] > 0.0;
     if (both == both_loaded) poses.push_back(pose);
@@ -155,24 +175,23 @@ void run(const std::vector<std::string>& files) {
   if (std::strlen(CONDYLE_ONNXRUNTIME_LIBRARY) > 0) {
     surrogate::set_library_path(CONDYLE_ONNXRUNTIME_LIBRARY);
   }
-  const OnnxContactModel first(files.front());
-  if (first.fused_refusal().empty()) {
-    std::printf("fused kernels: %s\n", first.instruction_set().c_str());
-  } else {
-    std::printf("not fused: %s\n", first.fused_refusal().c_str());
-  }
   Table table;
   std::printf("%-46s %14s %12s\n", "mesh contact, 0.7 mm", "us a pose", "x naive");
   mesh_rows(table);
-  for (const bool both : {true, false}) {
-    const auto poses = draw_poses(first, both);
-    if (poses.size() < kPoses) continue;
-    std::printf("surrogate, %s\n", both ? "both sides loaded" : "one side or both free");
-    for (const std::string& file : files) {
-      const std::string kind = &file == &files.front() ? "" : "wrench-only, ";
+  for (const std::string& file : files) {
+    const OnnxContactModel model(file);
+    const bool is_fused = model.fused_refusal().empty();
+    std::printf("%s (%s; %s)\n", std::filesystem::path(file).filename().c_str(),
+                model.metadata().at("condyle.architecture").c_str(),
+                is_fused ? ("fused kernels: " + model.instruction_set()).c_str()
+                         : ("not fused: " + model.fused_refusal()).c_str());
+    for (const bool both : {true, false}) {
+      const auto poses = draw_poses(model, both);
+      if (poses.size() < kPoses) continue;
+      std::printf(" %s\n", both ? "both sides loaded" : "one side or both free");
       for (const Runtime runtime : {Runtime::kOnnxruntime, Runtime::kFused}) {
-        if (runtime == Runtime::kFused && !first.fused_refusal().empty()) continue;
-        surrogate_rows(table, OnnxContactModel(file, runtime), poses, kind + name(runtime));
+        if (runtime == Runtime::kFused && !is_fused) continue;
+        surrogate_rows(table, OnnxContactModel(file, runtime), poses, name(runtime));
       }
     }
   }

@@ -133,10 +133,87 @@ void tanh_with_derivatives(const double* bias, int width, double* values, int st
   }
 }
 
+void times_slope(const double* hidden, int width, double* values, int stride, int columns) {
+  for (int c = 0; c < columns; ++c, hidden += stride, values += stride) {
+    for (int j = 0; j < width; j += kLanes) {
+      const Vector h = load(hidden + j);
+      store(values + j, (splat(1.0) - h * h) * load(values + j));
+    }
+  }
+}
+
+void slope_tangents(const double* hidden, int width, const double* in, int in_stride, double* out,
+                    int out_stride) {
+  for (int j = 0; j < width; j += kLanes) {
+    const Vector h = load(hidden + j);
+    const Vector slope = splat(1.0) - h * h;
+    for (int k = 0; k < kDenseTangents; ++k) {
+      store(out + k * out_stride + j, slope * load(in + k * in_stride + j));
+    }
+  }
+}
+
+CONDYLE_INLINE double sum_of_lanes(Vector a) {
+#if defined(__AVX512F__)
+  const __m256d four = _mm512_castpd512_pd256(a) + _mm512_extractf64x4_pd(a, 1);
+#elif defined(__AVX2__)
+  const __m256d four = a;
+#endif
+#if defined(__AVX2__)
+  const __m128d two = _mm256_castpd256_pd128(four) + _mm256_extractf128_pd(four, 1);
+  return two[0] + two[1];
+#else
+  return a[0] + a[1];
+#endif
+}
+
+/// Rows [First, End) of the pairs: not all at once where there are only sixteen registers.
+template <int First, int End>
+CONDYLE_INLINE void add_curvature_rows(const double* hidden, const double* delta, int width,
+                                       const double* tangent, int stride, double* sums) {
+  constexpr int kColumns = kDenseTangents - First;
+  Vector sum[End - First][kColumns] = {};
+  for (int j = 0; j < width; j += kLanes) {
+    const Vector bend = splat(-2.0) * load(hidden + j) * load(delta + j);
+#pragma GCC unroll 6
+    for (int k = First; k < End; ++k) {
+      const Vector bent = bend * load(tangent + k * stride + j);
+#pragma GCC unroll 6
+      for (int m = k; m < kDenseTangents; ++m) {
+        Vector& total = sum[k - First][m - First];
+        total = multiply_add(bent, load(tangent + m * stride + j), total);
+      }
+    }
+  }
+#pragma GCC unroll 6
+  for (int k = First; k < End; ++k) {
+#pragma GCC unroll 6
+    for (int m = k; m < kDenseTangents; ++m) {
+      const int pair = k * kDenseTangents - k * (k - 1) / 2 + m - k;
+      sums[pair] += sum_of_lanes(sum[k - First][m - First]);
+    }
+  }
+}
+
+void add_curvature(const double* hidden, const double* delta, int width, const double* tangent,
+                   int stride, double* sums) {
+#if defined(__AVX512F__)
+  add_curvature_rows<0, 6>(hidden, delta, width, tangent, stride, sums);
+#else
+  add_curvature_rows<0, 2>(hidden, delta, width, tangent, stride, sums);
+  add_curvature_rows<2, 6>(hidden, delta, width, tangent, stride, sums);
+#endif
+}
+
 }  // namespace
 
 extern const DenseKernels CONDYLE_DENSE_KERNELS;
-const DenseKernels CONDYLE_DENSE_KERNELS{CONDYLE_DENSE_INSTRUCTION_SET, &multiply, &tanh_columns,
-                                         &tanh_with_derivatives};
+const DenseKernels CONDYLE_DENSE_KERNELS{CONDYLE_DENSE_INSTRUCTION_SET,
+                                         &multiply,
+                                         &tanh_columns,
+                                         &tanh_with_derivatives,
+                                         &times_slope,
+                                         &slope_tangents,
+                                         &add_curvature};
 
 }  // namespace condyle::surrogate::dense

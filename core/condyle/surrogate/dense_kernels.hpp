@@ -39,7 +39,23 @@ struct DenseKernels {
   /// they become (1 − tanh²)·derivative.
   void (*tanh_with_derivatives)(const double* bias, int width, double* values, int stride,
                                 int columns) = nullptr;
+
+  /// values[c][j] ← (1 − hidden[c][j]²)·values[c][j]: a step of back-propagation.
+  void (*times_slope)(const double* hidden, int width, double* values, int stride,
+                      int columns) = nullptr;
+
+  /// out[k] = (1 − hidden²)·in[k] for the six derivatives of one pose; in and out may not overlap.
+  void (*slope_tangents)(const double* hidden, int width, const double* in, int in_stride,
+                         double* out, int out_stride) = nullptr;
+
+  /// sums[·] += Σ_j −2·hidden[j]·delta[j]·tangent[k][j]·tangent[m][j] for the 21 pairs k ≤ m in the
+  /// order (0,0), (0,1), ..., (5,5): what a layer adds to the second derivative of a scalar.
+  void (*add_curvature)(const double* hidden, const double* delta, int width, const double* tangent,
+                        int stride, double* sums) = nullptr;
 };
+
+/// Pairs k ≤ m of the six coordinates.
+inline constexpr int kDensePairs = kDenseTangents * (kDenseTangents + 1) / 2;
 
 /// The best that this machine can run.
 const DenseKernels& dense_kernels();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "condyle/surrogate/dense_kernels.hpp"
+#include "condyle/surrogate/potential_graph.hpp"
 #include "condyle/surrogate/row_program.hpp"
 #include "condyle/surrogate/two_stage_graph.hpp"
 #include "condyle/surrogate/wrench_networks.hpp"
@@ -35,7 +36,12 @@ std::optional<RowProgram> match_trust(const GraphTemplate& graph) {
 struct FusedSurrogate::Impl {
   explicit Impl(const OnnxFile& file) {
     GraphTemplate graph(file);
-    networks = match_two_stage(graph);
+    if (resembles_potential(graph)) {
+      architecture = "potential";
+      networks = match_potential(graph);
+    } else {
+      networks = match_two_stage(graph);
+    }
     judgement = match_trust(graph);
   }
 

@@ -32,7 +32,7 @@ class FusedSurrogate {
   FusedSurrogate(FusedSurrogate&&) noexcept;
   FusedSurrogate& operator=(FusedSurrogate&&) noexcept;
 
-  /// "two_stage"
+  /// "two_stage" or "potential"
   const std::string& architecture() const;
   /// Of the kernels: "baseline", "avx2" or "avx512".
   const char* instruction_set() const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The counterpart of add_two_stage() in python/condyle/training/onnx_graph.py, node by node. Nets
-// II and III stand there as one network of block-diagonal weights: they are taken apart here, and
-// the blocks between them must be zero.
+// The counterpart of add_two_stage() in python/condyle/training/onnx_two_stage.py, node by node.
+// Nets II and III stand there as one network of block-diagonal weights: they are taken apart here,
+// and the blocks between them must be zero.
 #include "condyle/surrogate/two_stage_graph.hpp"
 
 #include <algorithm>
@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "condyle/surrogate/network_blocks.hpp"
+
 namespace condyle::surrogate {
 namespace {
 
@@ -19,30 +21,8 @@ constexpr int kPose = 6;
 constexpr int kFirst = 2;   // Fy, Mx of a side
 constexpr int kSecond = 4;  // Fx, Fz, My, Mz
 
-std::string numbered(const std::string& net, const char* what, int layer) {
-  return net + "." + what + "_" + std::to_string(layer);
-}
-
-DenseLayer read_layer(const GraphTemplate& graph, const std::string& net, int index) {
-  const OnnxTensor& weight = graph.doubles(numbered(net, "weight", index));
-  const OnnxTensor& bias = graph.doubles(numbered(net, "bias", index));
-  if (weight.shape.size() != 2 || bias.shape.size() != 1 || bias.shape[0] != weight.shape[1]) {
-    throw UnknownGraph(weight.name + " and " + bias.name + " are no layer");
-  }
-  // Two networks side by side at most.
-  constexpr std::int64_t kWidest = 2 * kMaxDenseWidth;
-  if (weight.shape[0] > kWidest || weight.shape[1] > kWidest) {
-    throw UnknownGraph(weight.name + " is wider than " + std::to_string(kWidest));
-  }
-  return {static_cast<int>(weight.shape[0]), static_cast<int>(weight.shape[1]), weight.doubles,
-          bias.doubles};
-}
-
-std::vector<DenseLayer> read_layers(const GraphTemplate& graph, const std::string& net) {
-  std::vector<DenseLayer> layers;
-  for (int index = 1; graph.has_constant(numbered(net, "weight", index)); ++index) {
-    layers.push_back(read_layer(graph, net, index));
-  }
+std::vector<DenseLayer> read_network(const GraphTemplate& graph, const std::string& net) {
+  std::vector<DenseLayer> layers = read_layers(graph, net);
   if (layers.size() < 2) throw UnknownGraph("there is no network " + net + " with hidden layers");
   return layers;
 }
@@ -71,12 +51,6 @@ std::pair<std::string, std::string> expect_network(GraphTemplate& graph, const s
     graph.expect("Mul", {tangent, slope}, numbered(net, "tangent", l));
     tangent = numbered(net, "tangent", l);
   }
-}
-
-/// Rows [first, last) of a layer's weights.
-std::vector<double> rows(const DenseLayer& layer, int first, int last) {
-  const auto n = static_cast<std::ptrdiff_t>(layer.outputs);
-  return {layer.weight.begin() + first * n, layer.weight.begin() + last * n};
 }
 
 /// Where each of 2 × 6 loads stands among the outputs of nets I, II and III.
@@ -114,33 +88,6 @@ void expect_stiffness(GraphTemplate& graph, const std::string& first, const std:
   graph.expect("Where", {"lifted_rows", "zero", "ungated_stiffness"}, "stiffness");
 }
 
-/// The block of a layer from inputs [row, row + inputs) to outputs [column, column + outputs),
-/// after `shared` inputs that both networks read.
-DenseLayer block(const DenseLayer& layer, int shared, int row, int inputs, int column,
-                 int outputs) {
-  DenseLayer part{shared + inputs, outputs, {}, {}};
-  for (int i = 0; i < shared + inputs; ++i) {
-    const int from = i < shared ? i : row + i;
-    const auto begin = layer.weight.begin() + std::ptrdiff_t{from} * layer.outputs + column;
-    part.weight.insert(part.weight.end(), begin, begin + outputs);
-  }
-  const auto begin = layer.bias.begin() + column;
-  part.bias.assign(begin, begin + outputs);
-  return part;
-}
-
-bool is_zero(const DenseLayer& layer, int row, int rows_end, int column, int column_end) {
-  for (int i = row; i < rows_end; ++i) {
-    for (int j = column; j < column_end; ++j) {
-      if (layer.weight[static_cast<std::size_t>(i) * static_cast<std::size_t>(layer.outputs) +
-                       static_cast<std::size_t>(j)] != 0.0) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
 /// Nets II and III out of the one that holds them side by side.
 std::array<std::vector<DenseLayer>, kSides> take_apart(const std::vector<DenseLayer>& joined) {
   std::array<std::vector<DenseLayer>, kSides> nets;
@@ -172,18 +119,12 @@ DenseNetwork network(const std::vector<DenseLayer>& layers, const char* name) {
   }
 }
 
-bool has_output(const OnnxFile& file, const char* name) {
-  const auto& outputs = file.signature.outputs;
-  return std::any_of(outputs.begin(), outputs.end(),
-                     [&](const TensorSignature& output) { return output.name == name; });
-}
-
 }  // namespace
 
 std::unique_ptr<TwoStage> match_two_stage(GraphTemplate& graph) {
   const bool stiffness = has_output(graph.file(), "stiffness");
-  const std::vector<DenseLayer> first = read_layers(graph, "net_I");
-  const std::vector<DenseLayer> joined = read_layers(graph, "net_II_III");
+  const std::vector<DenseLayer> first = read_network(graph, "net_I");
+  const std::vector<DenseLayer> joined = read_network(graph, "net_II_III");
   const DenseLayer& entry = joined.front();
   if (first.front().inputs != kPose || first.back().outputs != kSides * kFirst ||
       entry.inputs != kPose + kSides * kFirst || joined.back().outputs != kSides * kSecond) {
@@ -203,9 +144,9 @@ std::unique_ptr<TwoStage> match_two_stage(GraphTemplate& graph) {
   if (stiffness) {
     seed = "net_II_III.seed";
     graph.expect_doubles("net_II_III.pose_tangent", {kPose, 1, entry.outputs},
-                         rows(entry, 0, kPose));
+                         rows_of(entry, 0, kPose));
     graph.expect_doubles("net_II_III.load_tangent", {kSides * kFirst, entry.outputs},
-                         rows(entry, kPose, entry.inputs));
+                         rows_of(entry, kPose, entry.inputs));
     graph.expect("MatMul", {d_loads, "net_II_III.load_tangent"}, "net_II_III.through_loads");
     graph.expect("Add", {"net_II_III.through_loads", "net_II_III.pose_tangent"}, seed);
   }

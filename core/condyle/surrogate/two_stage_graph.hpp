@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The graph that condyle.training.onnx_graph writes for a two-stage surrogate, recognised.
+// The graph that condyle.training.onnx_two_stage writes for a two-stage surrogate, recognised.
 #pragma once
 
 #include <memory>

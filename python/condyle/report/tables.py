@@ -4,22 +4,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from condyle.conventions import LOAD_COLUMNS, SIDES
+from condyle.markdown import markdown_table, rounded
+from condyle.surrogate.paper_errors import errors_markdown
 
 Rows = list[dict[str, Any]]
 _SPLITS = ("train", "test")
-
-
-def _markdown(header: list[str], rows: list[list[str]]) -> str:
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join(lines) + "\n"
-
-
-def _number(value: float | None) -> str:
-    if value is None:
-        return "–"
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
 def _fast_error(error: dict[str, Any]) -> str:
@@ -45,7 +34,7 @@ def _fast_error(error: dict[str, Any]) -> str:
         for name, e in [*ranges, ("all", error["total"])]
     ]
     header = ["total force", "poses", "force", "moment", "force / tolerance", "moment / tolerance"]
-    return title + text + _markdown(header, body)
+    return title + text + markdown_table(header, body)
 
 
 def _samples(report: dict[str, Any]) -> str:
@@ -82,67 +71,46 @@ def _samples(report: dict[str, Any]) -> str:
         "\nThe paper's are those of its Table 1, summed here over the same domains. Over all six they are 154 310; the "
         "totals that it prints are 90 fewer.\n"
     )
-    return "## Samples\n\n" + _markdown(header, rows) + text
+    return "## Samples\n\n" + markdown_table(header, rows) + text
 
 
 def _sample_errors(rows: Rows) -> str:
-    text = "## Held-out samples: RMSE (maximum error), N and Nm\n\n"
-    domains = list(dict.fromkeys(row["domain"] for row in rows))
-    by_key = {(r["domain"], r["side"], r["load"]): r for r in rows}
-    body = []
-    for domain in domains:
-        for side in SIDES:
-            cells = [by_key[domain, side, load] for load in LOAD_COLUMNS]
-            body.append(
-                [
-                    domain,
-                    side,
-                    *(f"{_number(c['rmse'])} ({_number(c['max_error'])})" for c in cells),
-                ]
-            )
-    text += _markdown(["domain", "side", *LOAD_COLUMNS], body)
-    text += "\nR² over loaded samples (the side carries Fy > 0):\n\n"
-    body = [
-        [
-            side,
-            *(
-                "–" if (r2 := by_key["all", side, load]["loaded_r2"]) is None else f"{r2:.5f}"
-                for load in LOAD_COLUMNS
-            ),
-        ]
-        for side in SIDES
-    ]
-    return text + _markdown(["side", *LOAD_COLUMNS], body)
+    return "## Held-out samples: RMSE (maximum error), N and Nm\n\n" + errors_markdown(rows)
 
 
 def _activity_errors(title: str, rows: Rows) -> str:
     body = [
         [
             row["activity"],
+            row.get("contact", "surrogate"),
             row["quantity"],
             row["unit"],
-            _number(row["rmse"]),
-            _number(row["max_error"]),
+            rounded(row["rmse"]),
+            rounded(row["max_error"]),
             "–" if row["r2"] is None else f"{row['r2']:.4f}",
         ]
         for row in rows
     ]
-    header = ["activity", "quantity", "unit", "RMSE", "maximum", "R²"]
-    return f"## {title}\n\n" + _markdown(header, body)
+    header = ["activity", "contact", "quantity", "unit", "RMSE", "maximum", "R²"]
+    return f"## {title}\n\n" + markdown_table(header, body)
 
 
 def _times(rows: Rows) -> str:
     body = [
         [
             row["what"],
-            _number(row["reference_s"]),
-            _number(row["surrogate_s"]),
-            _number(row["reference_s"] / row["surrogate_s"]),
+            row.get("contact", "surrogate"),
+            rounded(row["reference_s"]),
+            rounded(row["surrogate_s"]),
+            rounded(row["reference_s"] / row["surrogate_s"]),
+            str(row.get("evaluations", "–")),
+            str(row.get("reference_evaluations", "–")),
         ]
         for row in rows
     ]
-    header = ["what", "reference [s]", "surrogate [s]", "ratio"]
-    return "## Wall times, one thread, this machine\n\n" + _markdown(header, body)
+    header = ["what", "contact", "reference [s]", "with it [s]", "ratio"]
+    header += ["contact evaluations", "of them by the reference"]
+    return "## Wall times, one thread, this machine\n\n" + markdown_table(header, body)
 
 
 def _external_samples(table: dict[str, Any]) -> str:
@@ -160,7 +128,7 @@ def _external_samples(table: dict[str, Any]) -> str:
         ["none" if row["domain"] == 0 else str(row["domain"]), str(row["train"]), str(row["test"])]
         for row in table["domains"]
     ]
-    return text + _markdown(["domain", "train", "test"], body)
+    return text + markdown_table(["domain", "train", "test"], body)
 
 
 def _figures(figures: Sequence[str]) -> str:
@@ -186,10 +154,10 @@ def render_tables(name: str, tables: dict[str, Any], figures: Sequence[str] = ()
     if tables.get("sample_errors"):
         parts.append(_sample_errors(tables["sample_errors"]))
     if tables.get("simulation_loads"):
-        title = "Simulated activities, surrogate against reference: loads"
+        title = "Simulated activities, against the reference contact: loads"
         parts.append(_activity_errors(title, tables["simulation_loads"]))
     if tables.get("simulation_kinematics"):
-        title = "Simulated activities, surrogate against reference: kinematics"
+        title = "Simulated activities, against the reference contact: kinematics"
         parts.append(_activity_errors(title, tables["simulation_kinematics"]))
     if tables.get("times"):
         parts.append(_times(tables["times"]))

@@ -65,6 +65,11 @@ class RunDirectory:
         return self.root / "surrogate_wrench.onnx"
 
     @property
+    def surrogate_float32(self) -> Path:
+        """The surrogate computed in float32."""
+        return self.root / "surrogate_float32.onnx"
+
+    @property
     def tables(self) -> Path:
         """Results of the evaluation and simulation stages, one JSON each, merged in tables.json."""
         return self.root / "tables"

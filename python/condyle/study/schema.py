@@ -12,7 +12,8 @@ from pydantic import Field, field_validator, model_validator
 
 from condyle.study.curve_sections import ActivityCurvesSection, CurvesSection
 from condyle.study.law_sections import LawSection, LinearVolumeSection
-from condyle.study.section import Positive, Section
+from condyle.study.section import Section
+from condyle.study.training_section import TrainingSection
 
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 #: Built-in load cases, of the kinds that the paper sampled around (condyle.activities.BUILT_IN; a test compares).
@@ -109,8 +110,9 @@ class SamplingSection(Section):
     """The sampling plan.
 
     Attributes:
-        preset: numbers of samples: ``quick`` or ``standard`` (domains 2 and 4), ``paper_tenth`` or ``paper`` (all six).
-        targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``.
+        preset: numbers of samples: ``quick`` or ``standard`` (domains 2 to 6), ``paper_tenth`` or ``paper`` (all six).
+        targets: numbers by domain, overriding the preset: ``"2" = {train = 5000, test = 900}``; ``train = 0`` leaves
+            it out.
         seed: of the design and of the split.
         curves: what to sample around, see :mod:`condyle.study.curve_sections`; the study's activities by default.
         sensitive_directions: where loads are sampled, not the pose: ``["y", "theta_x"]`` (Fy and Mx), ``["y"]`` (Fy,
@@ -150,24 +152,23 @@ class SamplingSection(Section):
         raise ValueError(f'{value!r}: must be "auto", ["y", "theta_x"] or ["y"]')
 
 
-class TrainingSection(Section):
-    """The surrogate's networks and their training.
+class SimulateSection(Section):
+    """What the activities are simulated with, beside the reference contact.
 
     Attributes:
-        hidden_layers: hidden layers of each network.
-        neurons: in each of them.
-        max_epochs: Levenberg-Marquardt iterations at most, a network.
-        time_budget_s: wall time at most, a network; where it ends a training, the result depends on the machine.
-        seed: of the initial weights.
-        threads: of the linear algebra; part of the record, since it may change the last digits.
+        contact: ``surrogate``; ``hybrid``, the surrogate where its trust is at least 0.5 and elsewhere the reference;
+            or both.
     """
 
-    hidden_layers: Annotated[int, Field(ge=1, le=6)] = 3
-    neurons: Annotated[int, Field(ge=1, le=200)] = 30
-    max_epochs: Annotated[int, Field(ge=1)] = 80
-    time_budget_s: Positive | None = None
-    seed: Seed = 1
-    threads: Annotated[int, Field(ge=1, le=256)] = 2
+    contact: Annotated[tuple[Literal["surrogate", "hybrid"], ...], Field(min_length=1)] = (
+        "surrogate",
+    )
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        if len(set(self.contact)) != len(self.contact):
+            raise ValueError("contact names a model twice")
+        return self
 
 
 class Study(Section):
@@ -186,6 +187,7 @@ class Study(Section):
     simulator: SimulatorSection = SimulatorSection()
     sampling: SamplingSection = SamplingSection()
     training: TrainingSection = TrainingSection()
+    simulate: SimulateSection = SimulateSection()
 
     @model_validator(mode="after")
     def _has_activities(self) -> Self:
@@ -198,7 +200,9 @@ class Study(Section):
     @model_validator(mode="after")
     def _uses_what_it_says(self) -> Self:
         """A dataset brings no contact that could be evaluated, so nothing is simulated."""
-        unused = sorted(self.model_fields_set & {"activities", "contact", "implant", "simulator"})
+        unused = sorted(
+            self.model_fields_set & {"activities", "contact", "implant", "simulate", "simulator"}
+        )
         if self.sampling.dataset is not None and unused:
             raise ValueError(
                 f"{unused[0]} does not go with sampling.dataset: the samples say whose they are, and there is "

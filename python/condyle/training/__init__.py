@@ -27,7 +27,12 @@ from condyle.training.levenberg_marquardt import (
 )
 from condyle.training.mlp_least_squares import MlpLeastSquares
 from condyle.training.networks import MinMaxMap, TanhMlp
-from condyle.training.onnx_export import SurrogateMetadata, export_onnx, export_wrench_only_onnx
+from condyle.training.onnx_export import (
+    SurrogateMetadata,
+    export_float32_onnx,
+    export_onnx,
+    export_wrench_only_onnx,
+)
 from condyle.training.parity import ParityReport, check_parity
 from condyle.training.record import NetRecord, TrainingRecord
 from condyle.training.settings import TrainingSettings
@@ -57,6 +62,7 @@ __all__ = [
     "TrustModel",
     "TwoStageSurrogate",
     "check_parity",
+    "export_float32_onnx",
     "export_onnx",
     "export_wrench_only_onnx",
     "search_architecture",

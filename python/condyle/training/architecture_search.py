@@ -13,13 +13,16 @@ excluded.
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from numpy.typing import ArrayLike
 
 from condyle.errors import InputDataError
-from condyle.training.input_data import check_samples
+from condyle.training.checkpoint import Checkpoint
+from condyle.training.input_data import check_samples, data_hash
 from condyle.training.settings import TrainingSettings
 from condyle.training.train import ProgressCallback, first_stage_problem, thread_count, train_net
 
@@ -97,6 +100,7 @@ def search_architecture(
     *,
     progress: ProgressCallback | None = None,
     on_trial: Callable[[ArchitectureTrial], None] | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
 ) -> tuple[TrainingSettings, tuple[ArchitectureTrial, ...]]:
     """Finds the first architecture of net I that reaches the performance in the time of a trial.
 
@@ -107,17 +111,25 @@ def search_architecture(
         search: See :class:`ArchitectureSearchSettings`.
         progress: Told of every epoch; the net's name is e.g. "I 2x10".
         on_trial: Told of every finished trial.
+        checkpoint: File written after every epoch. If it exists, finished trials are taken from it
+            and the one that was killed goes on.
 
     Returns:
         ``settings`` with the accepted layers and neurons (where none was, those of the best trial),
         and all trials.
 
     Raises:
-        InputDataError: Samples unfit for training.
+        InputDataError: Samples unfit for training, or a checkpoint of another search.
     """
     search = search or ArchitectureSearchSettings()
     poses, wrenches = check_samples(poses, wrenches, settings.min_loaded_rows)
     problem = first_stage_problem(poses, wrenches, settings)
+    key = {
+        "architecture_search": dataclasses.asdict(search),
+        "data_hash": data_hash(poses, wrenches),
+        **settings.to_dict(),
+    }
+    store = Checkpoint(None if checkpoint is None else Path(checkpoint), key)
     trials: list[ArchitectureTrial] = []
     with thread_count(settings.threads):
         for layers, neurons in candidate_architectures(search):
@@ -126,7 +138,14 @@ def search_architecture(
             )
             name = f"I {layers}x{neurons}"
             _, state = train_net(
-                name, problem, trial_settings, settings.seed, progress, goal=search.performance
+                name,
+                problem,
+                trial_settings,
+                settings.seed,
+                progress,
+                store.state(name),
+                store.update,
+                goal=search.performance,
             )
             assert state.stop_reason is not None
             performance = state.history["loss"][-1]

@@ -3,14 +3,15 @@
 
     input   pose       float64 [N, 6]        x, y, z [m], theta_x, theta_y, theta_z [rad]
     output  wrench     float64 [N, 2, 6]     (medial, lateral) × (Fx, Fy, Fz [N], Mx, My, Mz [Nm]),
-    on the femur at Fo in T output  stiffness  float64 [N, 2, 6, 6]  ∂wrench_i/∂pose_j
+                                             on the femur at Fo in T
+    output  stiffness  float64 [N, 2, 6, 6]  ∂wrench_i/∂pose_j
     output  error      float64 [N, 2, 6]     calibrated 95 % bound on each load [N, Nm]
     output  trust      float64 [N]           1 well inside the sampled domains, 0 outside; below 0.5
-    do not use
+                                             do not use
 
 SI in, SI out; standard operators of opset 17 (onnxruntime 1.17 and newer); N is free. The
 wrench-only file has the first output alone and the same metadata. A pose with NaN gives NaN, never
-zero.
+zero. The float32 file computes in float32 between a float64 input and float64 outputs.
 
 Metadata (``metadata_props``), all required:
 
@@ -22,7 +23,7 @@ Metadata (``metadata_props``), all required:
 | condyle.sides | ``medial,lateral`` |
 | condyle.units | ``m,rad,N,Nm`` (length, angle, force, moment) |
 | condyle.side_of_body | ``left`` or ``right`` |
-| condyle.architecture | ``two_stage`` |
+| condyle.architecture | ``two_stage`` or ``potential`` |
 | condyle.frames | JSON: axes, rotation, where and on what the wrench acts |
 | condyle.implant | JSON: the caller's; names and SHA-256 of the meshes |
 | condyle.contact_law | JSON: the caller's; law and parameters |
@@ -42,15 +43,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import onnx
 from onnx import TensorProto, helper
 
 from condyle.conventions import LOAD_COLUMNS, POSE_COLUMNS, SIDES, SideOfBody
 from condyle.errors import InputDataError
-from condyle.training.onnx_graph import GraphBuilder, add_trust, add_two_stage
+from condyle.training.onnx_graph import GraphBuilder
+from condyle.training.onnx_potential import add_potential
+from condyle.training.onnx_trust import add_trust
+from condyle.training.onnx_two_stage import add_two_stage
+from condyle.training.potential import PotentialSurrogate
 from condyle.training.trust import TrustModel
 from condyle.training.two_stage import TwoStageSurrogate
 from condyle.whole_files import write_whole
+
+#: What can be exported.
+Surrogate = TwoStageSurrogate | PotentialSurrogate
 
 CONTRACT_VERSION = "1"
 OPSET = 17
@@ -101,7 +110,7 @@ class SurrogateMetadata:
 
 def export_onnx(
     path: str | os.PathLike[str],
-    surrogate: TwoStageSurrogate,
+    surrogate: Surrogate,
     trust: TrustModel,
     metadata: SurrogateMetadata,
 ) -> None:
@@ -116,32 +125,71 @@ def export_onnx(
     Raises:
         InputDataError: Weights that are not finite, or metadata that is not JSON.
     """
-    graph = GraphBuilder()
-    add_two_stage(graph, surrogate, stiffness=True)
-    add_trust(graph, trust)
-    _write(path, graph, tuple(_OUTPUTS), surrogate, trust, metadata)
+    _export_full(path, GraphBuilder(), surrogate, trust, metadata)
 
 
 def export_wrench_only_onnx(
     path: str | os.PathLike[str],
-    surrogate: TwoStageSurrogate,
+    surrogate: Surrogate,
     trust: TrustModel,
     metadata: SurrogateMetadata,
 ) -> None:
     """Writes the wrench alone, for speed; arguments and errors as :func:`export_onnx`."""
     graph = GraphBuilder()
-    add_two_stage(graph, surrogate, stiffness=False)
+    _add_networks(graph, surrogate, stiffness=False)
     _write(path, graph, ("wrench",), surrogate, trust, metadata)
+
+
+def export_float32_onnx(
+    path: str | os.PathLike[str],
+    surrogate: Surrogate,
+    trust: TrustModel,
+    metadata: SurrogateMetadata,
+) -> None:
+    """Writes the full contract computed in float32, for accelerators that have little else.
+
+    Input and outputs stay float64, so it is a contract file like the other: the pose is taken
+    relative to the middle of the training poses before it is rounded, the outputs are cast back.
+    Beside the float64 file, wrench and error differ by up to 5e-5 of their RMS over the samples,
+    stiffness and trust by up to 1e-4 (seen: 1e-6 to 3e-5): too rough for finite differences, or for
+    Newton's last steps. Arguments and errors as :func:`export_onnx`.
+    """
+    if isinstance(surrogate, PotentialSurrogate):
+        centres = [side.network.input_map.centre for side in surrogate.sides]
+    else:
+        centres = [surrogate.first.input_map.centre]
+    origin = np.mean([centre.numpy() for centre in centres], axis=0)
+    _export_full(path, GraphBuilder.in_float32(origin), surrogate, trust, metadata)
+
+
+def _export_full(
+    path: str | os.PathLike[str],
+    graph: GraphBuilder,
+    surrogate: Surrogate,
+    trust: TrustModel,
+    metadata: SurrogateMetadata,
+) -> None:
+    _add_networks(graph, surrogate, stiffness=True)
+    add_trust(graph, trust)
+    _write(path, graph, tuple(_OUTPUTS), surrogate, trust, metadata)
+
+
+def _add_networks(graph: GraphBuilder, surrogate: Surrogate, *, stiffness: bool) -> None:
+    if isinstance(surrogate, PotentialSurrogate):
+        add_potential(graph, surrogate, stiffness=stiffness)
+    else:
+        add_two_stage(graph, surrogate, stiffness=stiffness)
 
 
 def _write(
     path: str | os.PathLike[str],
     graph: GraphBuilder,
     outputs: tuple[str, ...],
-    surrogate: TwoStageSurrogate,
+    surrogate: Surrogate,
     trust: TrustModel,
     metadata: SurrogateMetadata,
 ) -> None:
+    graph.finish(outputs)
     for name, tensor in graph.initialisers.items():
         values = onnx.numpy_helper.to_array(tensor)
         if not (abs(values) < float("inf")).all():
@@ -176,7 +224,7 @@ def _write(
 
 
 def _metadata_props(
-    surrogate: TwoStageSurrogate, trust: TrustModel, metadata: SurrogateMetadata
+    surrogate: Surrogate, trust: TrustModel, metadata: SurrogateMetadata
 ) -> dict[str, str]:
     bounds = {**trust.domain_bounds(), "sampling": dict(metadata.sampling)}
     return {

@@ -16,10 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 import onnx
 import onnxruntime
+import torch
 from numpy.typing import ArrayLike, NDArray
 from onnx.reference import ReferenceEvaluator
 
 from condyle.training.input_data import as_poses
+from condyle.training.potential import PotentialSurrogate
 from condyle.training.trust import TrustModel
 from condyle.training.two_stage import TwoStageSurrogate
 
@@ -49,7 +51,7 @@ class ParityReport:
 
 def check_parity(
     onnx_path: str | os.PathLike[str],
-    surrogate: TwoStageSurrogate,
+    surrogate: TwoStageSurrogate | PotentialSurrogate,
     poses: ArrayLike,
     trust: TrustModel | None = None,
 ) -> ParityReport:
@@ -110,8 +112,20 @@ def _excess(values: NDArray[np.float64], expected: NDArray[np.float64]) -> float
     return largest if np.isfinite(largest) else float("inf")
 
 
-def _on_gate(surrogate: TwoStageSurrogate, poses: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Poses (n,) where some ungated |Fy| is below 1e-9 of its output range."""
-    fy = surrogate.ungated_fy(poses)
-    near: NDArray[np.bool_] = (np.abs(fy) < TOLERANCE * np.abs(fy).max()).any(axis=1)
+def _on_gate(
+    surrogate: TwoStageSurrogate | PotentialSurrogate, poses: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Poses (n,) where a side is so near its gate that rounding shows.
+
+    Two-stage: some ungated |Fy| is below 1e-9 of its range. Potential: some |N| is below 1e-6 of
+    its range; nothing jumps there, but the stiffness goes like N^(p−2), as steep as a root.
+    """
+    if isinstance(surrogate, PotentialSurrogate):
+        with torch.no_grad():
+            pose = torch.from_numpy(poses)
+            gate = torch.stack([side.network.value(pose) for side in surrogate.sides], 1).numpy()
+        nearness = 1e-6
+    else:
+        gate, nearness = surrogate.ungated_fy(poses), TOLERANCE
+    near: NDArray[np.bool_] = (np.abs(gate) < nearness * np.abs(gate).max()).any(axis=1)
     return near

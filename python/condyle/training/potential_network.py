@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scalar tanh network with a quadratic part, differentiated twice in the inputs, once in weights.
 
-    N(u) = s·φ(u) + MLP(u),    φ(u) = (u_i, u_i u_j for i ≤ j),    u = (pose − centre)/half_range.
+    N(u) = s·φ(u) + MLP(u),    φ(u) = (u_i; u_i u_j for i ≤ j but y),    u = (pose − centre)/half_range.
 
 The quadratic carries most of what the surfaces' shape makes of a pose: the network need only learn
-the rest.
+the rest. y enters φ by itself alone: since the MLP is bounded, N then falls for ever as the femur
+is raised, and no contact can appear in the air.
 
 :func:`second_order_pass` is the one place that differentiates it. Forward mode carries the tangents
 ∂h_l/∂u through the layers; back-propagation gives δ_l = ∂N/∂z_l; its own tangents
@@ -25,7 +26,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from condyle.conventions import POSE_COLUMNS
 from condyle.training.networks import MinMaxMap, TanhMlp
+
+_Y = POSE_COLUMNS.index("y")
 
 
 @dataclass(frozen=True)
@@ -152,19 +156,26 @@ class PotentialNetwork:
 
 def n_terms(width: int) -> int:
     """Length of φ(u) for u of ``width`` components."""
-    return width + width * (width + 1) // 2
+    return width + len(_pairs(width)[0])
+
+
+def _pairs(width: int) -> tuple[Tensor, Tensor]:
+    """I and j of the products in φ."""
+    i, j = torch.triu_indices(width, width)
+    keep = (i != _Y) & (j != _Y)
+    return i[keep], j[keep]
 
 
 def quadratic_terms(inputs: Tensor) -> Tensor:
     """φ(u) (n, n_terms) at u (n, d)."""
-    i, j = torch.triu_indices(inputs.shape[1], inputs.shape[1])
+    i, j = _pairs(inputs.shape[1])
     return torch.cat([inputs, inputs[:, i] * inputs[:, j]], dim=1)
 
 
 def quadratic_tangents(inputs: Tensor) -> Tensor:
     """∂φ/∂u_k (n, d, n_terms) at u (n, d)."""
     rows, width = inputs.shape
-    i, j = torch.triu_indices(width, width)
+    i, j = _pairs(width)
     one = torch.eye(width, dtype=inputs.dtype)
     products = inputs[:, None, j] * one[:, i] + inputs[:, None, i] * one[:, j]
     return torch.cat([one.expand(rows, width, width), products], dim=2)
@@ -172,7 +183,7 @@ def quadratic_tangents(inputs: Tensor) -> Tensor:
 
 def quadratic_matrix(coefficients: Tensor, width: int) -> Tensor:
     """∂²(s·φ)/∂u² (d, d) of coefficients s (n_terms,)."""
-    i, j = torch.triu_indices(width, width)
+    i, j = _pairs(width)
     matrix = coefficients.new_zeros(width, width)
     matrix[i, j] = coefficients[width:]
     return matrix + matrix.T

@@ -58,12 +58,14 @@ class NetProblem:
         targets: (n, d_out) SI.
         weights: (n, d_out) ≥ 0, or None for ones.
         one_sided: (n, d_out) bool, target is an upper bound; or None.
+        known: (n,) bool, rows that the input map is made of; or None for all.
     """
 
     inputs: Tensor
     targets: Tensor
     weights: Tensor | None = None
     one_sided: Tensor | None = None
+    known: Tensor | None = None
 
 
 def train_two_stage(
@@ -137,10 +139,12 @@ def first_stage_problem(
     # A side that pulls (an implausible pose, caught under the insert's rim) is gated as if lifted.
     lifted = torch.from_numpy(wrenches[:, :, FY] <= 0)
     targets[:, ::2] = targets[:, ::2].clamp(min=0.0)
+    # Poses far out of contact must not stretch the map that the near ones share.
+    known = ~lifted.all(dim=1)
     never = torch.zeros_like(lifted)
     one_sided = torch.stack([lifted, never], dim=2).flatten(1)
     weights = 1.0 - torch.stack([never, lifted], dim=2).flatten(1).to(torch.float64)
-    return NetProblem(inputs, targets, weights, one_sided)
+    return NetProblem(inputs, targets, weights, one_sided, known)
 
 
 def second_stage_problem(
@@ -188,9 +192,8 @@ def train_net(
     Returns:
         The network and the optimiser's final state.
     """
-    net = TanhMlp(
-        MinMaxMap.from_data(problem.inputs), MinMaxMap.from_data(problem.targets), settings.hidden
-    )
+    known = problem.inputs if problem.known is None else problem.inputs[problem.known]
+    net = TanhMlp(MinMaxMap.from_data(known), MinMaxMap.from_data(problem.targets), settings.hidden)
     net.initialise(seed)
     errors = MlpLeastSquares(
         net.widths,

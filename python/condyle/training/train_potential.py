@@ -70,12 +70,23 @@ class _Stage:
     bayesian: bool = False
 
 
-_LEVEL: Final = _Stage("level", _LEVEL_ROWS, 0.25, 0.05)
+_LEVEL: Final = _Stage("level", _LEVEL_ROWS, 0.25, 0.02)
 _WRENCH: Final = (
-    _Stage("wrench on 4 000", 4_000, 0.5, 0.15),
-    _Stage("wrench on 16 000", 16_000, 0.5, 0.3),
-    _Stage("wrench", 1 << 62, 1.0, 0.5, bayesian=True),
+    _Stage("wrench on 4 000", 4_000, 0.5, 0.06),
+    _Stage("wrench on 16 000", 16_000, 0.5, 0.22),
+    _Stage("wrench", 1 << 62, 1.0, 0.7, bayesian=True),
 )
+
+
+def _stages(samples: int) -> list[_Stage]:
+    """The wrench stages that differ for so many samples."""
+    *first, last = _WRENCH
+    kept = [
+        s
+        for s, before in zip(first, [None, *first], strict=False)
+        if not before or before.rows < samples
+    ]
+    return [*kept, last]
 
 
 def train_potential(
@@ -161,7 +172,7 @@ class _SideTrainer:
     def train(self, store: Checkpoint, progress: ProgressCallback | None) -> SideEnergy:
         """All stages."""
         energy = self._fit_level(store, progress)
-        for stage in _WRENCH:
+        for stage in _stages(len(self._pose)):
             rows = self._order[: stage.rows]
             problem = PotentialLeastSquares(
                 energy.network,
@@ -196,7 +207,13 @@ class _SideTrainer:
         level = (self._force[rows, FY].clamp(min=0) / self._max_fy) ** (1 / (power - 1))
         terms = quadratic_terms(inputs)
         terms = torch.cat([terms, torch.ones_like(terms[:, :1])], dim=1)
-        quadratic = torch.linalg.lstsq(terms[loaded], level[loaded, None]).solution[:, 0]
+        # Normal equations, since LAPACK's own least squares round differently from call to call; the
+        # ridge is for a coordinate that never moves.
+        seen = terms[loaded]
+        gram = seen.T @ seen
+        gram.diagonal().add_(1e-9 * len(seen))
+        right = seen.T @ level[loaded, None]
+        quadratic = torch.cholesky_solve(right, torch.linalg.cholesky(gram))[:, 0]
         rest = (level - terms @ quadratic)[:, None]
         # A lifted sample is bounded from above, and far ones lie far above all bounds.
         output_map = MinMaxMap.from_data(rest[loaded])

@@ -129,3 +129,51 @@ TEST_CASE("derivatives are multiplied by the slope at their value [oracle]") {
     }
   }
 }
+
+TEST_CASE("steps back and forth through tanh are the products they are defined as [oracle]") {
+  for (const DenseKernels& kernels : all_dense_kernels()) {
+    CAPTURE(kernels.instruction_set);
+    constexpr int kWidth = 24, kColumns = 3;
+    const auto hidden = draw(kWidth * kColumns, 0.95, 11);
+    const auto delta = draw(kWidth * kColumns, 1.5, 12);
+    const auto tangent = draw(kWidth * kDenseTangents, 1.3, 13);
+    auto values = delta;
+    kernels.times_slope(hidden.data(), kWidth, values.data(), kWidth, kColumns);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      worst = std::max(worst, std::abs(values[i] - (1.0 - hidden[i] * hidden[i]) * delta[i]));
+    }
+    std::vector<double> out(tangent.size());
+    kernels.slope_tangents(hidden.data(), kWidth, tangent.data(), kWidth, out.data(), kWidth);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const double h = hidden[i % kWidth];
+      worst = std::max(worst, std::abs(out[i] - (1.0 - h * h) * tangent[i]));
+    }
+    // Three roundings of numbers up to 1.5.
+    CHECK(worst <= 1e-15);
+  }
+}
+
+TEST_CASE("curvature is the sum over neurons that it is defined as [oracle]") {
+  for (const DenseKernels& kernels : all_dense_kernels()) {
+    CAPTURE(kernels.instruction_set);
+    constexpr int kWidth = 40;
+    const auto hidden = draw(kWidth, 0.95, 14), delta = draw(kWidth, 1.5, 15);
+    const auto tangent = draw(kWidth * kDenseTangents, 1.3, 16);
+    const auto before = draw(kDensePairs, 2.0, 17);
+    auto sums = before;
+    kernels.add_curvature(hidden.data(), delta.data(), kWidth, tangent.data(), kWidth, sums.data());
+    std::size_t pair = 0;
+    for (std::size_t k = 0; k < kDenseTangents; ++k) {
+      for (std::size_t m = k; m < kDenseTangents; ++m, ++pair) {
+        double expected = before[pair];
+        for (std::size_t j = 0; j < kWidth; ++j) {
+          expected -=
+              2.0 * hidden[j] * delta[j] * tangent[k * kWidth + j] * tangent[m * kWidth + j];
+        }
+        // 40 terms of up to 5, a few roundings each.
+        CHECK(std::abs(sums[pair] - expected) <= 1e-13);
+      }
+    }
+  }
+}

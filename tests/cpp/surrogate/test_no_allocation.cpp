@@ -36,21 +36,22 @@ TEST_CASE("a surrogate allocates a number a run, nothing a pose") {
   CHECK(allocations(1) <= of_few);
 }
 
-TEST_CASE("a fused surrogate allocates nothing") {
-  const OnnxContactModel model(test::surrogate_file("tiny_two_stage.onnx"), Runtime::kFused);
+void check_no_allocation(const char* file) {
+  const OnnxContactModel model(test::surrogate_file(file), Runtime::kFused);
   const auto poses = test::poses_about_domain(1024, 3);
   std::vector<double> wrench(poses.size() * 12), stiffness(poses.size() * 72);
   std::vector<double> error(poses.size() * 12), trust(poses.size());
   double sum = 0.0;
-  const auto one = [&] {
-    sum += model.evaluate(poses[7], contact::Derivatives::kStiffness).trust;
-  };
-  const auto batch = [&] {
-    model.evaluate_into(poses, 1, {wrench, stiffness, error, trust, {}});
-  };
+  const auto one = [&] { sum += model.evaluate(poses[7], contact::Derivatives::kStiffness).trust; };
+  const auto batch = [&] { model.evaluate_into(poses, 1, {wrench, stiffness, error, trust, {}}); };
   one();  // the thread's memory is there
   CHECK(test::count_allocations(one) == 0);
   CHECK(test::count_allocations(batch) == 0);
+}
+
+TEST_CASE("a fused surrogate allocates nothing") {
+  check_no_allocation("tiny_two_stage.onnx");
+  check_no_allocation("tiny_potential.onnx");
 }
 
 }  // namespace

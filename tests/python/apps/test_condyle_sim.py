@@ -3,6 +3,7 @@
 
 import csv
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -183,6 +184,62 @@ def test_simulate_says_in_its_exit_code_that_it_did_not_converge(run: Run, tmp_p
     assert answer.stderr.count("\n") == 1
     _, _, status = read(tmp_path / "simulation.csv")
     assert "not_converged" in status
+
+
+@pytest.fixture
+def untrusted(tmp_path: Path) -> Path:
+    """The closed-form surrogate, of a right knee and to be trusted nowhere."""
+    onnx = pytest.importorskip("onnx")
+    model = onnx.load(TINY)
+    for node in model.graph.node:
+        for i, name in enumerate(node.output):
+            if name == "trust":
+                node.output[i] = "trust_before"
+    model.graph.initializer.append(onnx.numpy_helper.from_array(np.array(0.0), "no_trust"))
+    model.graph.node.append(onnx.helper.make_node("Mul", ["trust_before", "no_trust"], ["trust"]))
+    metadata = {p.key: p.value for p in model.metadata_props}
+    onnx.helper.set_model_props(model, metadata | {"condyle.side_of_body": "right"})
+    onnx.save(model, tmp_path / "untrusted.onnx")
+    return tmp_path / "untrusted.onnx"
+
+
+def test_a_hybrid_whose_surrogate_is_nowhere_trusted_simulates_the_meshes(
+    run: Run, implant: Path, untrusted: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "case.csv").write_text(CASE)
+    options = (*meshes(implant), "--load-case", "case.csv")
+    assert run("simulate", *options, "--out", "meshes.csv").returncode == 0
+    answer = run(
+        "simulate", *options, "--surrogate", untrusted, "--hybrid", "--out", "hybrid.csv",
+        "--reference-calls", "calls.csv",
+    )  # fmt: skip
+    assert (answer.returncode, answer.stderr) == (0, "")
+    assert (tmp_path / "hybrid.csv").read_bytes() == (tmp_path / "meshes.csv").read_bytes()
+    found = re.search(
+        r"the reference was called (\d+) times \(contact evaluations over the time frames: (\d+)\)",
+        answer.stdout,
+    )
+    assert found is not None, answer.stdout
+    calls, evaluations = map(int, found.groups())
+    # The springs' references are settled before the first time frame.
+    assert calls >= evaluations > 6
+    table = np.loadtxt(tmp_path / "calls.csv", delimiter=",", skiprows=1)
+    assert table.shape == (min(calls, 1000), 7)
+    assert (table[:, 6] == 0).all()
+
+
+def test_a_hybrid_needs_both_models_of_one_knee(run: Run, implant: Path) -> None:
+    out = ("--out", "s.csv")
+    said = _refused(run, "simulate", *meshes(implant), "--hybrid", *out)
+    assert said == "--hybrid needs --surrogate FILE.onnx beside the meshes"
+    said = _refused(run, "simulate", "--surrogate", TINY, "--hybrid", *out)
+    assert said == "--hybrid needs meshes beside --surrogate: --femur is missing"
+    said = _refused(run, "simulate", *meshes(implant), "--surrogate", TINY, "--hybrid", *out)
+    assert "the surrogate is of a left knee, the reference of a right" in said
+    said = _refused(run, "simulate", *meshes(implant), "--surrogate", TINY, *out)
+    assert said.startswith("--femur does not go with --surrogate")
+    said = _refused(run, "simulate", *meshes(implant), "--reference-calls", "c.csv", *out)
+    assert said == "--reference-calls goes with --hybrid only"
 
 
 def test_the_default_load_case_lies_beside_the_program(program: Path) -> None:

@@ -83,7 +83,7 @@ HEADERS_WITHOUT_TEST = {
 #: Python packages from the bottom up; a package imports those above it in this list never, those on
 #: its line freely.
 PYTHON_RANKS: list[set[str]] = [
-    {"conventions", "errors", "whole_files"},
+    {"conventions", "errors", "markdown", "whole_files"},
     {"implants", "contact", "activities", "fdk", "surrogate"},
     {"sampling", "training"},
     {"evaluation"},

@@ -49,9 +49,18 @@ def test_tables_show_every_row_and_round_for_reading():
     row = "| 2 global | 8 | 2 | 27253 | 3416 | 20 | 10 (50.0 %) | 9 no_equilibrium, 1 overclosure |"
     assert row + " 70.0 % | 6.2 |" in text
     assert "| sum | 8 | 2 | 27253 | 3416 |" in text
-    assert "| all | lateral | 1234 (1234) |" in text
-    assert "| gait | medial_Fy | N | 0.25 | 0.25 |" in text
-    assert "| gait | 3 | 0.5 | 6 |" in text
+    assert "| all | lateral | here | 1234 (1234) |" in text
+    assert "| gait | surrogate | medial_Fy | N | 0.25 | 0.25 |" in text
+    assert "| gait | surrogate | 3 | 0.5 | 6 |" in text
+
+
+def test_times_say_how_many_evaluations_were_the_references():
+    row = {
+        "what": "gait", "contact": "hybrid", "reference_s": 3.0, "surrogate_s": 1.5,
+        "evaluations": 340, "reference_evaluations": 12,
+    }  # fmt: skip
+    text = render_tables("knee", {"times": [row]})
+    assert "| gait | hybrid | 3 | 1.5 | 2 | 340 | 12 |" in text
 
 
 def test_the_error_of_the_fast_contact_is_told_by_load():

@@ -9,10 +9,10 @@ from condyle.sampling import DomainTarget, SamplingPlan
 from condyle.sampling.proximity_run import points_needed
 
 
-@pytest.mark.parametrize(("name", "total"), [("quick", 7_000), ("standard", 14_000)])
-def test_presets_have_both_domains_and_the_papers_split(name: str, total: int) -> None:
+@pytest.mark.parametrize(("name", "total"), [("quick", 12_200), ("standard", 24_400)])
+def test_presets_have_domains_2_to_6_and_the_papers_split(name: str, total: int) -> None:
     plan = SamplingPlan.preset(name, seed=1)
-    assert [target.domain for target in plan.targets] == [2, 4]
+    assert [target.domain for target in plan.targets] == [2, 3, 4, 5, 6]
     assert sum(target.total for target in plan.targets) == total
     for target in plan.targets:
         assert target.train == pytest.approx(0.85 * target.total)
@@ -49,7 +49,18 @@ def test_targets_are_in_the_domains_order() -> None:
 
 def test_named_targets_change_and_others_stay() -> None:
     plan = SamplingPlan.preset("quick", seed=1).with_targets({4: {"train": 55}})
-    assert plan.targets == (DomainTarget(2, 4_250, 750), DomainTarget(4, 55, 300))
+    assert plan.targets[0] == DomainTarget(2, 4_250, 750)
+    assert plan.targets[2] == DomainTarget(4, 55, 300)
+
+
+def test_a_domain_without_training_samples_is_left_out() -> None:
+    plan = SamplingPlan.preset("quick", seed=1).with_targets(
+        {3: {"train": 0}, 6: {"train": 0, "test": 0}}
+    )
+    assert [target.domain for target in plan.targets] == [2, 4, 5]
+
+
+def test_a_domain_that_was_not_there_is_added() -> None:
     assert SamplingPlan((DomainTarget(4, 9, 1),), seed=3).with_targets(
         {2: {"train": 7, "test": 2}}
     ).targets == (DomainTarget(2, 7, 2), DomainTarget(4, 9, 1))
@@ -59,7 +70,7 @@ def test_json_holds_every_field() -> None:
     plan = SamplingPlan.preset("quick", seed=8)
     text = plan.to_json()
     assert set(text) == {field.name for field in dataclasses.fields(plan)}
-    assert json.loads(json.dumps(text))["targets"][1] == {"domain": 4, "train": 1_700, "test": 300}
+    assert json.loads(json.dumps(text))["targets"][2] == {"domain": 4, "train": 1_700, "test": 300}
 
 
 def test_mistakes_are_refused_by_field_value_and_limit() -> None:

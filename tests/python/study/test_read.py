@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import re
 from pathlib import Path
 
 import pytest
@@ -49,7 +50,8 @@ def test_paths_are_relative_to_the_study(tmp_path):
         ),
         (
             "nme = 'a'\n",
-            "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, simulator, training",
+            "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, simulate, simulator, "
+            "training",
         ),
         (
             "[contact]\nlaw = {kind = 'linear_volume', modulus = -1.0}\n",
@@ -104,6 +106,40 @@ def test_paths_are_relative_to_the_study(tmp_path):
             "[training]\nhidden_layers = 9\n",
             "training.hidden_layers = 9: input should be less than or equal to 6",
         ),
+        (
+            "[training]\npower = 2.5\n",
+            'training: power goes with architecture = "potential" only',
+        ),
+        (
+            "[training]\narchitecture = 'potential'\npower = 2\n",
+            "training.power = 2: input should be greater than 2",
+        ),
+        (
+            "[training]\narchitecture = 'potential'\nprecision = 'mixed'\n",
+            'training: precision = "mixed" goes with architecture = "two_stage" only',
+        ),
+        (
+            "[training]\narchitecture = 'potential'\nsearch = true\n",
+            'training: search goes with architecture = "two_stage" only',
+        ),
+        (
+            "[training]\nneurons = 20\nsearch = true\n",
+            "training: neurons does not go with search, which chooses it",
+        ),
+        (
+            "[training.search]\ntrial_time_s = 0\nlayers = 2\n",
+            "training.search.trial_time_s = 0: input should be greater than 0; training.search.layers: unknown key "
+            "(value 2); known: enabled, max_layers, max_neurons, performance, trial_time_s",
+        ),
+        ("[simulate]\ncontact = []\n", "simulate.contact = []: tuple should have at least 1 item"),
+        (
+            "[simulate]\ncontact = ['hybrid', 'hybrid']\n",
+            "simulate: contact names a model twice",
+        ),
+        (
+            "[simulate]\ncontact = ['exact']\n",
+            "simulate.contact.0 = 'exact': input should be 'surrogate' or 'hybrid'",
+        ),
         ("name = '../up'\n", "name = '../up': string should match"),
         ("name = \n", "is not a TOML file"),
     ],
@@ -116,6 +152,29 @@ def test_a_mistake_is_one_line_with_file_key_value_and_limit(tmp_path, text, sai
     assert message.startswith(f"{file}: ")
     assert said in message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("text", "enabled", "seconds"),
+    [
+        ("", False, 3600.0),
+        ("[training]\nsearch = true\n", True, 3600.0),
+        ("[training]\nsearch = false\n", False, 3600.0),
+        ("[training.search]\ntrial_time_s = 90\n", True, 90.0),
+        ("[training.search]\nenabled = false\ntrial_time_s = 90\n", False, 90.0),
+    ],
+)
+def test_a_search_is_switched_on_by_true_or_by_its_table(tmp_path, text, enabled, seconds):
+    search = read_study(study(tmp_path, text)).training.search
+    assert (search.enabled, search.trial_time_s) == (enabled, seconds)
+
+
+def test_the_settings_that_the_docs_show_are_valid(tmp_path):
+    page = Path(__file__).parents[3] / "docs" / "surrogates.md"
+    blocks = re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        read_study(study(tmp_path, block))
 
 
 def test_all_mistakes_are_told_at_once(tmp_path):

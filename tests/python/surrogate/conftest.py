@@ -4,6 +4,7 @@
 import importlib.util
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,12 +47,6 @@ def exported(tiny: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> tupl
     """(full, wrench-only) files of a two-stage surrogate of the paper's size."""
     torch = pytest.importorskip("torch")
     from condyle.training.networks import MinMaxMap, TanhMlp
-    from condyle.training.onnx_export import (
-        SurrogateMetadata,
-        export_onnx,
-        export_wrench_only_onnx,
-    )
-    from condyle.training.trust import TrustModel
     from condyle.training.two_stage import TwoStageSurrogate
 
     torch.manual_seed(3)
@@ -75,6 +70,42 @@ def exported(tiny: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> tupl
     third = net(pose[0] + [700.0, 2.0], pose[1] + [700.0, 25.0], [140.0, 65.0, 5.0, 9.0])
     surrogate = TwoStageSurrogate(first, (second, third))
 
+    return _export(surrogate, tiny, tmp_path_factory.mktemp("exported"))
+
+
+@pytest.fixture(scope="session")
+def exported_potential(
+    tiny: ModuleType, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Path]:
+    """(full, wrench-only) files of a potential surrogate of 3 x 30 neurons a side."""
+    torch = pytest.importorskip("torch")
+    from condyle.training.networks import MinMaxMap
+    from condyle.training.potential import PotentialSurrogate, SideEnergy
+    from condyle.training.potential_network import PotentialNetwork
+
+    rng = np.random.default_rng(31)
+    maps = MinMaxMap(torch.tensor(tiny.CENTRE), torch.tensor(tiny.HALF_WIDTH))
+
+    def energy(scale: float, power: float) -> SideEnergy:
+        parameters = torch.tensor(
+            rng.uniform(-0.3, 0.3, PotentialNetwork(maps, (30, 30, 30)).n_parameters)
+        )
+        network = PotentialNetwork(maps, (30, 30, 30), parameters)
+        network.split(parameters)[1][1] -= 0.8  # N falls as the femur rises
+        return SideEnergy(network, scale, power)
+
+    surrogate = PotentialSurrogate((energy(2.75, 3.0), energy(2.25, 2.5)))
+    return _export(surrogate, tiny, tmp_path_factory.mktemp("exported_potential"))
+
+
+def _export(surrogate: Any, tiny: ModuleType, folder: Path) -> tuple[Path, Path]:
+    from condyle.training.onnx_export import (
+        SurrogateMetadata,
+        export_onnx,
+        export_wrench_only_onnx,
+    )
+    from condyle.training.trust import TrustModel
+
     rng = np.random.default_rng(29)
     samples = tiny.CENTRE + rng.uniform(-1, 1, (800, 6)) * tiny.HALF_WIDTH
     wrenches = surrogate.wrench(samples)
@@ -86,7 +117,6 @@ def exported(tiny: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> tupl
         contact_law={"name": "none"},
         training={"seed": 3},
     )
-    folder = tmp_path_factory.mktemp("exported")
     files = (folder / "surrogate.onnx", folder / "surrogate_wrench.onnx")
     export_onnx(files[0], surrogate, trust, metadata)
     export_wrench_only_onnx(files[1], surrogate, trust, metadata)

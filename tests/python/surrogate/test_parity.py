@@ -10,8 +10,12 @@ import pytest
 from condyle.surrogate import parity
 
 
-def test_runtimes_agree_on_an_exported_file(exported: tuple[Path, Path], poses: np.ndarray) -> None:
-    rows = parity.runtime_differences(exported[0], poses)
+@pytest.mark.parametrize("architecture", ["exported", "exported_potential"])
+def test_runtimes_agree_on_an_exported_file(
+    architecture: str, poses: np.ndarray, request: pytest.FixtureRequest
+) -> None:
+    full, _ = request.getfixturevalue(architecture)
+    rows = parity.runtime_differences(full, poses)
     assert [(r["output"], r["runtime"]) for r in rows] == [
         (output, runtime)
         for runtime in ("condyle C++", "onnxruntime Python", "condyle fused")
@@ -21,10 +25,12 @@ def test_runtimes_agree_on_an_exported_file(exported: tuple[Path, Path], poses: 
     assert all(r["poses"] == len(poses) for r in rows)
 
 
+@pytest.mark.parametrize("architecture", ["exported", "exported_potential"])
 def test_runtimes_agree_on_a_wrench_only_file(
-    exported: tuple[Path, Path], poses: np.ndarray
+    architecture: str, poses: np.ndarray, request: pytest.FixtureRequest
 ) -> None:
-    rows = parity.runtime_differences(exported[1], poses)
+    _, wrench_only = request.getfixturevalue(architecture)
+    rows = parity.runtime_differences(wrench_only, poses)
     assert [r["output"] for r in rows] == ["wrench"] * 3
     assert all(r["agrees"] for r in rows), rows
 

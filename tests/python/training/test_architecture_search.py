@@ -52,3 +52,37 @@ def test_unfit_search_settings_are_refused():
         ArchitectureSearchSettings(max_neurons=5)
     with pytest.raises(InputDataError, match="trial_time_s is 0"):
         ArchitectureSearchSettings(trial_time_s=0)
+
+
+def test_a_killed_search_goes_on_from_its_checkpoint(contact, tmp_path):
+    class Killed(Exception):
+        pass
+
+    def kill(net, epoch, *_):
+        if (net, epoch) == ("I 1x3", 4):
+            raise Killed
+
+    poses = contact.sample(500, 63)
+    samples = poses, contact.wrench(poses)
+    search = ArchitectureSearchSettings(
+        start_layers=1,
+        max_layers=1,
+        start_neurons=1,
+        neuron_step=2,
+        max_neurons=5,
+        performance=1e-9,
+    )
+    whole = search_architecture(*samples, SETTINGS, search)
+    file = tmp_path / "search"
+    with pytest.raises(Killed):
+        search_architecture(*samples, SETTINGS, search, progress=kill, checkpoint=file)
+    seen = []
+    resumed = search_architecture(
+        *samples, SETTINGS, search, progress=lambda *e: seen.append(e[:2]), checkpoint=file
+    )
+    assert seen[0] == ("I 1x3", 5)  # neither the finished trial nor the first epochs again
+    assert resumed == whole
+    with pytest.raises(InputDataError, match="checkpoint of another training: architecture_search"):
+        search_architecture(
+            *samples, SETTINGS, ArchitectureSearchSettings(performance=1e-8), checkpoint=file
+        )

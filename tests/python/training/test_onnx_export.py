@@ -15,6 +15,7 @@ from condyle.training import (
     SurrogateMetadata,
     TwoStageSurrogate,
     check_parity,
+    export_float32_onnx,
     export_onnx,
     export_wrench_only_onnx,
 )
@@ -150,3 +151,26 @@ def test_unfit_metadata_is_refused(trained, metadata, tmp_path):
         bad = SurrogateMetadata("left", {}, {"stiffness": value}, {})
         with pytest.raises(InputDataError, match="metadata contact_law is not JSON"):
             export_onnx(tmp_path / "bad.onnx", trained.surrogate, trained.trust, bad)
+
+
+def test_float32_reads_and_gives_float64_to_its_own_precision(files, trained, metadata, tmp_path):
+    path = tmp_path / "surrogate_float32.onnx"
+    export_float32_onnx(path, trained.surrogate, trained.trust, metadata)
+    model = onnx.load(path)
+    onnx.checker.check_model(model, full_check=True)
+    for value in (*model.graph.input, *model.graph.output):
+        assert value.type.tensor_type.elem_type == onnx.TensorProto.DOUBLE
+    in_double = [t.name for t in model.graph.initializer if t.data_type == onnx.TensorProto.DOUBLE]
+    assert in_double == ["pose.origin"]
+    assert path.stat().st_size < files[0].stat().st_size
+    exact, rough = _run(files[0], trained.test.poses), _run(path, trained.test.poses)
+    # Within 1e-4 N the gate may open on either side.
+    clear = (np.abs(trained.surrogate.ungated_fy(trained.test.poses)) > 0.1).all(axis=1)
+    assert clear.mean() > 0.99
+    for name, limit in {"wrench": 5e-5, "stiffness": 1e-4, "error": 5e-5, "trust": 1e-4}.items():
+        a, b = rough[name][clear], exact[name][clear]
+        over = (0, 1) if b.ndim > 1 else (0,)
+        rms = np.sqrt((b**2).mean(axis=over))
+        worst = (np.abs(a - b).max(axis=over) / rms).max()
+        # A few hundred roundings of 6e-8, and no more than documented.
+        assert 1e-8 < worst < limit, (name, worst)

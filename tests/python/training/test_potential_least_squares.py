@@ -10,6 +10,7 @@ from condyle.training.networks import MinMaxMap, TanhMlp
 from condyle.training.potential_least_squares import PotentialLeastSquares
 from condyle.training.potential_network import (
     PotentialNetwork,
+    n_terms,
     network_value,
     quadratic_terms,
     second_order_pass,
@@ -59,7 +60,7 @@ def test_a_network_from_an_mlp_and_a_quadratic_part_is_their_sum():
         (5, 4),
     )
     mlp.initialise(8)
-    coefficients, poses = _random(27, seed=9), _random(20, 6, seed=10)
+    coefficients, poses = _random(n_terms(6), seed=9), _random(20, 6, seed=10)
     network = PotentialNetwork.from_mlp(mlp, coefficients, 0.7)
     expected = mlp(poses)[:, 0] + quadratic_terms(mlp.input_map(poses)) @ coefficients + 0.7
     torch.testing.assert_close(network.value(poses), expected.detach())

@@ -13,6 +13,7 @@ def run(context: StudyContext) -> bool:
     from condyle.contact import Derivatives
     from condyle.sampling import Dataset
     from condyle.surrogate import load_surrogate
+    from condyle.surrogate.paper_errors import paper_comparison
     from condyle.surrogate.parity import runtime_differences
 
     inputs = {
@@ -32,9 +33,11 @@ def run(context: StudyContext) -> bool:
         worst = min(
             r["loaded_r2"] for r in rows if r["domain"] == "all" and r["loaded_r2"] is not None
         )
-        context.reporter.finished(
-            "evaluate", f"lowest R² of a load over loaded samples: {worst:.5f}"
-        )
+        said = f"lowest R² of a load over loaded samples: {worst:.5f}"
+        if comparison := paper_comparison(rows):
+            above = sum(cell["above"] for cell in comparison)
+            said += f"; {above} of {len(comparison)} errors above the paper's"
+        context.reporter.finished("evaluate", said)
         return [
             context.directory.write_table("sample_errors", rows),
             context.directory.write_table("parity", parity),

@@ -71,13 +71,15 @@ def _simulation_figures(context: StudyContext) -> list[Path]:
     made = []
     with house_style():
         for name in context.load_cases:
+            # Two lines a panel: the first contact model that the study names beside the reference.
+            models = ("reference", context.study.simulate.contact[0])
             known, predicted = (
                 read_simulation(context.directory.simulations / f"{name}_{model}.csv")
-                for model in ("reference", "surrogate")
+                for model in models
             )
             traces = [
                 Trace(label, t["time"], t["wrenches"], t["kinematics"])
-                for label, t in (("reference", known), ("surrogate", predicted))
+                for label, t in zip(models, (known, predicted), strict=True)
             ]
             made.append(save(loads_figure(name, traces), folder / f"{name}_loads.png"))
             made.append(save(kinematics_figure(name, traces), folder / f"{name}_kinematics.png"))

@@ -1,68 +1,135 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stage ``simulate``: the study's activities with the surrogate, compared with the reference's."""
+"""Stage ``simulate``: the study's activities with the surrogate or the hybrid, compared with the reference's."""
 
+from __future__ import annotations
+
+import csv
+import io
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import condyle
+from condyle.conventions import POSE_COLUMNS
 from condyle.evaluation import kinematics_error_table, simulation_load_error_table
 from condyle.study.context import StudyContext
 from condyle.study.simulate import require_converged, simulate
 from condyle.study.simulation_files import read_simulation, write_simulation
+from condyle.whole_files import write_whole
+
+if TYPE_CHECKING:
+    from condyle.surrogate import HybridContactModel, OnnxContactModel
+
+_TABLES = ("simulation_loads", "simulation_kinematics", "times")
+
+
+@dataclass
+class _Results:
+    """Tables' rows by name, and the files written."""
+
+    rows: dict[str, list[dict[str, Any]]] = field(
+        default_factory=lambda: {name: [] for name in _TABLES}
+    )
+    files: list[Path] = field(default_factory=list)
 
 
 def run(context: StudyContext) -> bool:
-    """Simulates with the surrogate and writes the error and time tables."""
+    """Simulates with each contact model that the study names and writes the error and time tables."""
     from condyle.surrogate import load_surrogate
 
     inputs = {
+        **context.study.canonical("simulate"),
         "surrogate": context.outputs_of("train"),
         "reference": context.outputs_of("reference"),
         "version": condyle.__version__,
     }
 
     def work() -> list[Path]:
-        context.reporter.stage("simulate", ", ".join(context.load_cases))
-        model = load_surrogate(context.directory.surrogate)
-        reference_seconds = context.directory.read_table("reference_seconds")
-        loads: list[dict[str, Any]] = []
-        kinematics: list[dict[str, Any]] = []
-        times: list[dict[str, Any]] = []
-        made = []
-        for i, (name, load_case) in enumerate(context.load_cases.items()):
-            context.reporter.progress("simulating", i / len(context.load_cases), name)
-            start = time.perf_counter()
-            simulation = simulate(model, load_case, context)
-            seconds = time.perf_counter() - start
-            file = context.directory.simulations / f"{name}_surrogate.csv"
-            write_simulation(file, simulation)
-            require_converged(name, simulation)
-            made.append(file)
-            known = read_simulation(context.directory.simulations / f"{name}_reference.csv")
-            loads += simulation_load_error_table(name, known["wrenches"], simulation.wrenches)
-            kinematics += kinematics_error_table(name, known["kinematics"], simulation.kinematics)
-            times.append(
-                {
-                    "what": f"{name}, {len(simulation.time)} time frames",
-                    "reference_s": reference_seconds[name],
-                    "surrogate_s": seconds,
-                }
-            )
-        for table, rows in (
-            ("simulation_loads", loads),
-            ("simulation_kinematics", kinematics),
-            ("times", times),
-        ):
-            made.append(context.directory.write_table(table, rows))
-        worst = {
-            u: max(r["rmse"] for r in (*loads, *kinematics) if r["unit"] == u)
-            for u in ("N", "Nm", "mm", "deg")
-        }
-        context.reporter.finished(
-            "simulate",
-            "worst RMSE " + ", ".join(f"{value:.3g} {unit}" for unit, value in worst.items()),
-        )
-        return made
+        models = context.study.simulate.contact
+        context.reporter.stage("simulate", f"{', '.join(context.load_cases)}; {', '.join(models)}")
+        surrogate = load_surrogate(context.directory.surrogate)
+        results = _Results()
+        runs = [(name, contact) for name in context.load_cases for contact in models]
+        for i, (name, contact) in enumerate(runs):
+            context.reporter.progress("simulating", i / len(runs), f"{name}, {contact}")
+            _simulate(context, surrogate, name, contact, results)
+        for table, rows in results.rows.items():
+            results.files.append(context.directory.write_table(table, rows))
+        context.reporter.finished("simulate", _said(results))
+        return results.files
 
     return context.directory.run_stage("simulate", inputs, work)
+
+
+def _simulate(
+    context: StudyContext,
+    surrogate: OnnxContactModel,
+    name: str,
+    contact: str,
+    results: _Results,
+) -> None:
+    """One activity with one contact model."""
+    from condyle.surrogate import HybridContactModel
+
+    folder = context.directory.simulations
+    # A hybrid of its own for every activity, so that its count is the activity's.
+    hybrid = HybridContactModel(surrogate, context.reference) if contact == "hybrid" else None
+    start = time.perf_counter()
+    simulation = simulate(hybrid or surrogate, context.load_cases[name], context)
+    seconds = time.perf_counter() - start
+    file = folder / f"{name}_{contact}.csv"
+    write_simulation(file, simulation)
+    results.files.append(file)
+    if hybrid is not None:
+        results.files.append(_write_calls(folder / f"{name}_hybrid_calls.csv", hybrid))
+    require_converged(f"{name} ({contact})", simulation)
+    known = read_simulation(folder / f"{name}_reference.csv")
+    rows = results.rows
+    for table, errors in (
+        ("simulation_loads", simulation_load_error_table(name, known["wrenches"], simulation.wrenches)),
+        ("simulation_kinematics", kinematics_error_table(name, known["kinematics"], simulation.kinematics)),
+    ):  # fmt: skip
+        rows[table] += [{"contact": contact, **row} for row in errors]
+    rows["times"].append(
+        {
+            "what": f"{name}, {len(simulation.time)} time frames",
+            "contact": contact,
+            "reference_s": context.directory.read_table("reference_seconds")[name],
+            "surrogate_s": seconds,
+            "evaluations": int(simulation.evaluations.sum()),
+            "reference_evaluations": 0 if hybrid is None else hybrid.reference_calls,
+            "untrusted_time_frames": int((simulation.trust < 0.5).sum()),
+        }
+    )
+
+
+def _write_calls(file: Path, hybrid: HybridContactModel) -> Path:
+    """Where the reference was called (the first thousand poses), and the surrogate's trust there."""
+    poses, trust = hybrid.log
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*POSE_COLUMNS, "trust"])
+    for pose, value in zip(poses.tolist(), trust.tolist(), strict=True):
+        writer.writerow([*map(repr, pose), repr(value)])
+    write_whole(file, text.getvalue())
+    return file
+
+
+def _said(results: _Results) -> str:
+    errors = [*results.rows["simulation_loads"], *results.rows["simulation_kinematics"]]
+    said = []
+    for contact in dict.fromkeys(row["contact"] for row in errors):
+        worst = {
+            unit: max(r["rmse"] for r in errors if (r["contact"], r["unit"]) == (contact, unit))
+            for unit in ("N", "Nm", "mm", "deg")
+        }
+        text = f"{contact}: worst RMSE " + ", ".join(f"{v:.3g} {unit}" for unit, v in worst.items())
+        if contact == "hybrid":
+            mine = [row for row in results.rows["times"] if row["contact"] == contact]
+            calls, evaluations = (
+                sum(row[key] for row in mine) for key in ("reference_evaluations", "evaluations")
+            )
+            text += f"; {calls} of {evaluations} evaluations by the reference"
+        said.append(text)
+    return "; ".join(said)
