@@ -6,10 +6,10 @@
 - Coverage: share of held-out samples within the 95 % bound, by side and load, where that side is loaded.
 - False alarms: share of held-out samples with trust below 0.5, by domain.
 - Outside: poses from the global domain's box with one or two of its axes twice or three times as long, put where they
-  carry the box's load, or pushed 2 to 6 mm deep, or left where the equilibrium was lost; only those that a plane parts from
-  all training samples (4 000 planes are tried), so none within their convex hull. Share with trust below 0.5.
-- Stress path: a closed path that swings through 1.3 times the box; `hybrid` against the reference, share of loads beyond
-  the bound.
+  carry the box's load, or pushed 2 to 6 mm deep, or left where the equilibrium was lost; only those that a plane parts
+  from all training samples (4 000 planes are tried), so none within their convex hull. Share with trust below 0.5.
+- Stress path: a closed path that swings through 1.3 times the box; `hybrid` against the reference, share of loads
+  beyond the bound.
 
 Needs a run of the mesh contact with domain 2; for studies with the default contact law.
 """

@@ -41,8 +41,8 @@ class TrainingSection(Section):
     """The surrogate's networks and their training.
 
     Attributes:
-        architecture: ``two_stage`` (the paper's three networks) or ``potential`` (an energy a side, conservative by
-            construction).
+        architecture: ``potential`` (an energy a side, conservative by construction) or ``two_stage`` (the paper's three
+            networks).
         hidden_layers: hidden layers of each network.
         neurons: in each of them.
         max_epochs: Levenberg-Marquardt iterations at most, a network.
@@ -57,10 +57,10 @@ class TrainingSection(Section):
         threads: of the linear algebra; part of the record, since it may change the last digits.
     """
 
-    architecture: Literal["two_stage", "potential"] = "two_stage"
+    architecture: Literal["potential", "two_stage"] = "potential"
     hidden_layers: Annotated[int, Field(ge=1, le=6)] = 3
     neurons: Annotated[int, Field(ge=1, le=200)] = 30
-    max_epochs: Annotated[int, Field(ge=1)] = 80
+    max_epochs: Annotated[int, Field(ge=1)] = 60
     time_budget_s: Positive | None = None
     patience: Annotated[int, Field(ge=0)] = 20
     precision: Literal["float64", "mixed"] = "float64"

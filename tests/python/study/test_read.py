@@ -107,7 +107,7 @@ def test_paths_are_relative_to_the_study(tmp_path):
             "training.hidden_layers = 9: input should be less than or equal to 6",
         ),
         (
-            "[training]\npower = 2.5\n",
+            "[training]\narchitecture = 'two_stage'\npower = 2.5\n",
             'training: power goes with architecture = "potential" only',
         ),
         (
@@ -123,7 +123,7 @@ def test_paths_are_relative_to_the_study(tmp_path):
             'training: search goes with architecture = "two_stage" only',
         ),
         (
-            "[training]\nneurons = 20\nsearch = true\n",
+            "[training]\narchitecture = 'two_stage'\nneurons = 20\nsearch = true\n",
             "training: neurons does not go with search, which chooses it",
         ),
         (

@@ -41,7 +41,7 @@ def test_every_setting_reaches_the_training():
     settings = training_settings(TrainingSection.model_validate(values))
     del values["architecture"]
     assert {name: getattr(settings, name) for name in values} == values
-    assert training_settings(TrainingSection(precision="mixed")).precision == "mixed"
+    assert training_settings(TrainingSection(architecture="two_stage", precision="mixed")).precision == "mixed"
     assert training_settings(TrainingSection()).time_budget_s == math.inf
 
 
@@ -52,8 +52,8 @@ def test_the_study_defaults_to_what_the_library_does_but_for_speed():
 
 
 def test_the_architecture_decides_what_trains():
-    assert trainer(TrainingSection()) is train_two_stage
-    assert trainer(TrainingSection(architecture="potential")) is train_potential
+    assert trainer(TrainingSection()) is train_potential
+    assert trainer(TrainingSection(architecture="two_stage")) is train_two_stage
 
 
 def test_of_three_like_nets_the_whole_is_told_from_the_first():
