@@ -134,7 +134,9 @@ def read_manifest(directory: Path) -> dict[str, Any]:
         raise InputDataError(f"{path} cannot be read: {error}") from error
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
         found = manifest.get("format") if isinstance(manifest, dict) else type(manifest).__name__
-        raise InputDataError(f"{path}: format is {found!r}; {FORMAT!r} is needed")
+        raise InputDataError(
+            f"{path}: format is {found!r}; {FORMAT!r} is needed: sample again, into another directory"
+        )
     return manifest
 
 

@@ -158,9 +158,13 @@ def test_a_mistake_is_one_line_with_file_key_value_and_limit(tmp_path, text, sai
     ("text", "enabled", "seconds"),
     [
         ("", False, 3600.0),
-        ("[training]\nsearch = true\n", True, 3600.0),
+        ("[training]\narchitecture = 'two_stage'\nsearch = true\n", True, 3600.0),
         ("[training]\nsearch = false\n", False, 3600.0),
-        ("[training.search]\ntrial_time_s = 90\n", True, 90.0),
+        (
+            "[training]\narchitecture = 'two_stage'\n[training.search]\ntrial_time_s = 90\n",
+            True,
+            90.0,
+        ),
         ("[training.search]\nenabled = false\ntrial_time_s = 90\n", False, 90.0),
     ],
 )
