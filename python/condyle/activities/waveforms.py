@@ -155,66 +155,52 @@ def half_cosines(knots: Knots, percent: NDArray[np.float64]) -> NDArray[np.float
 
 def iso_like_gait() -> str:
     """Text of ``iso_like_gait.csv``."""
-    percent = np.linspace(0.0, 100.0, 101)
-    return _csv(
-        GAIT_HEADER,
-        percent / 100.0,
-        half_cosines(GAIT_FLEXION_DEG, percent),
-        half_cosines(GAIT_AXIAL_N, percent),
-        half_cosines(GAIT_AP_N, percent),
-        half_cosines(GAIT_IE_NM, percent),
-    )
+    knots = (GAIT_FLEXION_DEG, GAIT_AXIAL_N, GAIT_AP_N, GAIT_IE_NM)
+    return _text(GAIT_HEADER, 1.0, 1.0, *knots)
 
 
 def squat_like() -> str:
     """Text of ``squat_like.csv``."""
-    percent = np.linspace(0.0, 100.0, 101)
-    return _csv(
-        SQUAT_HEADER,
-        4.0 * percent / 100.0,
-        half_cosines(SQUAT_FLEXION_DEG, percent),
-        BODY_WEIGHT_N * half_cosines(SQUAT_AXIAL_BW, percent),
-        BODY_WEIGHT_N * half_cosines(SQUAT_AP_BW, percent),
-        half_cosines(SQUAT_IE_NM, percent),
-    )
+    knots = (SQUAT_FLEXION_DEG, SQUAT_AXIAL_BW, SQUAT_AP_BW, SQUAT_IE_NM)
+    return _text(SQUAT_HEADER, 4.0, BODY_WEIGHT_N, *knots)
 
 
 def turn_like_gait() -> str:
     """Text of ``turn_like_gait.csv``."""
-    percent = np.linspace(0.0, 100.0, 101)
-    return _csv(
-        TURN_HEADER,
-        1.2 * percent / 100.0,
-        half_cosines(GAIT_FLEXION_DEG, percent),
-        BODY_WEIGHT_N * half_cosines(TURN_AXIAL_BW, percent),
-        BODY_WEIGHT_N * half_cosines(TURN_AP_BW, percent),
-        half_cosines(TURN_IE_NM, percent),
-    )
+    knots = (GAIT_FLEXION_DEG, TURN_AXIAL_BW, TURN_AP_BW, TURN_IE_NM)
+    return _text(TURN_HEADER, 1.2, BODY_WEIGHT_N, *knots)
 
 
 def chair_rise_like() -> str:
     """Text of ``chair_rise_like.csv``."""
-    percent = np.linspace(0.0, 100.0, 101)
-    return _csv(
-        CHAIR_HEADER,
-        2.5 * percent / 100.0,
-        half_cosines(CHAIR_FLEXION_DEG, percent),
-        BODY_WEIGHT_N * half_cosines(CHAIR_AXIAL_BW, percent),
-        BODY_WEIGHT_N * half_cosines(CHAIR_AP_BW, percent),
-        half_cosines(CHAIR_IE_NM, percent),
-    )
+    knots = (CHAIR_FLEXION_DEG, CHAIR_AXIAL_BW, CHAIR_AP_BW, CHAIR_IE_NM)
+    return _text(CHAIR_HEADER, 2.5, BODY_WEIGHT_N, *knots)
 
 
 def leg_swing_like() -> str:
     """Text of ``leg_swing_like.csv``."""
+    knots = (SWING_FLEXION_DEG, SWING_AXIAL_BW, SWING_AP_BW, SWING_IE_NM)
+    return _text(SWING_HEADER, 1.5, BODY_WEIGHT_N, *knots)
+
+
+def _text(
+    header: Sequence[str],
+    duration: float,
+    force_unit: float,
+    flexion: Knots,
+    axial: Knots,
+    ap: Knots,
+    torque: Knots,
+) -> str:
+    """A file of 101 points over ``duration`` [s]; axial and AP knots are in ``force_unit`` [N]."""
     percent = np.linspace(0.0, 100.0, 101)
     return _csv(
-        SWING_HEADER,
-        1.5 * percent / 100.0,
-        half_cosines(SWING_FLEXION_DEG, percent),
-        BODY_WEIGHT_N * half_cosines(SWING_AXIAL_BW, percent),
-        BODY_WEIGHT_N * half_cosines(SWING_AP_BW, percent),
-        half_cosines(SWING_IE_NM, percent),
+        header,
+        duration * percent / 100.0,
+        half_cosines(flexion, percent),
+        force_unit * half_cosines(axial, percent),
+        force_unit * half_cosines(ap, percent),
+        half_cosines(torque, percent),
     )
 
 
