@@ -22,6 +22,7 @@ STUDY = """
 [sampling]
 dataset = "samples"
 [training]
+architecture = "two_stage"
 neurons = 10
 hidden_layers = 2
 max_epochs = 30

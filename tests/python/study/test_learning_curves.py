@@ -20,7 +20,14 @@ from condyle.study.context import StudyContext
 from condyle.study.external_samples import adopt_samples
 from condyle.study.learning_curves import LearningPlan, learning_curves, nested_order
 
-TRAINING = {"neurons": 8, "hidden_layers": 1, "max_epochs": 30, "patience": 0, "threads": 1}
+TRAINING = {
+    "architecture": "two_stage",
+    "neurons": 8,
+    "hidden_layers": 1,
+    "max_epochs": 30,
+    "patience": 0,
+    "threads": 1,
+}
 PLAN = LearningPlan(shares=(0.25, 1.0), minutes=(1e-4, 60.0), every=5)
 
 
@@ -151,7 +158,7 @@ def test_a_killed_point_goes_on(folder, tmp_path):
 
 
 def test_a_search_is_refused(folder):
-    study_training = {"search": True, "threads": 1}
+    study_training = {"architecture": "two_stage", "search": True, "threads": 1}
     study = Study.model_validate(
         {"name": "knee", "sampling": {"dataset": folder / "samples"}, "training": study_training}
     )

@@ -41,7 +41,10 @@ def test_every_setting_reaches_the_training():
     settings = training_settings(TrainingSection.model_validate(values))
     del values["architecture"]
     assert {name: getattr(settings, name) for name in values} == values
-    assert training_settings(TrainingSection(architecture="two_stage", precision="mixed")).precision == "mixed"
+    assert (
+        training_settings(TrainingSection(architecture="two_stage", precision="mixed")).precision
+        == "mixed"
+    )
     assert training_settings(TrainingSection()).time_budget_s == math.inf
 
 
