@@ -42,6 +42,8 @@ _Y: Final = POSE_COLUMNS.index("y")
 _LEAST_HALF_RANGE: Final = 1e-6
 #: A side that is lifted in all samples of a cell may carry this share of its greatest Fy.
 _LEAST_LOAD: Final = 0.01
+#: Share of a cell's predicted samples that each of its rows leaves inside.
+_COVERED: Final = 0.998
 #: Fewest samples whose ranges say anything.
 _LEAST_ROWS: Final = 20
 
@@ -72,6 +74,7 @@ class SampledDomains:
         wrenches: Array,
         domain: NDArray[np.int64] | None = None,
         definitions: Sequence[Mapping[str, Any]] = (),
+        predicted: Array | None = None,
     ) -> SampledDomains:
         """The cells of samples.
 
@@ -80,10 +83,13 @@ class SampledDomains:
             wrenches: (n, 2, 6) their wrenches.
             domain: (n,) the samples' domains; one domain of all if not given.
             definitions: The manifest's ``domains``.
+            predicted: (n, 2, 6) the surrogate's own wrenches, which will be asked about; the samples'
+                if not given.
         """
         loaded = (wrenches[:, :, FY] > 0).any(axis=1)
         height = _height_above_contact(poses[loaded])
         values = _features(poses, wrenches, height)
+        asked = values if predicted is None else _features(poses, predicted, height)
         domain = np.zeros(len(poses), np.int64) if domain is None else domain
         boxes = _boxes(definitions)
         least_load = _LEAST_LOAD * wrenches[:, :, FY].max(axis=0)
@@ -94,7 +100,8 @@ class SampledDomains:
             for what, rows in (("loaded", mine & loaded), ("lifted", mine & ~loaded)):
                 if rows.sum() >= _LEAST_ROWS:
                     names.append(f"domain {number}, {what}" if number else what)
-                    cells.append(_cell(values[rows], boxes.get(int(number)), least_load))
+                    cell = _cell(values[rows], boxes.get(int(number)), least_load)
+                    cells.append(_with_room(cell, asked[rows]))
         most = max(len(cell) for cell in cells)
         matrix = np.zeros((len(cells), most, N_FEATURES))
         offset = np.zeros((len(cells), most))
@@ -173,6 +180,17 @@ def _cell(values: Array, box: Array | None, least_load: Array) -> Array:
         row[column] = 1.0 / max(float(values[:, column].max()), least_load[side])
         rows.append(row)
     return np.array(rows)
+
+
+def _with_room(cell: Array, asked: Array) -> Array:
+    """The cell with every row as wide as the predicted samples (n, N_FEATURES) make it, or wider.
+
+    A box in loads can be narrow against the surrogate's errors in them: along Mx − lever·Fy, say.
+    """
+    sizes = np.abs(asked @ cell[:, :-1].T + cell[:, -1])
+    room = np.maximum(np.quantile(sizes, _COVERED, axis=0), 1.0)
+    wider: Array = cell / room[:, None]
+    return wider
 
 
 def _principal_rows(values: Array) -> Array:

@@ -103,7 +103,7 @@ class TrustModel:
         train_domain: NDArray[np.int64] | None = None,
         definitions: Sequence[Mapping[str, Any]] = (),
         level: float = 0.95,
-        false_alarms: float = 0.01,
+        false_alarms: float = 0.015,
         seed: int = 1,
     ) -> TrustModel:
         """Bounds and domain from samples.
@@ -132,7 +132,9 @@ class TrustModel:
         predicted = model.wrench(held_out_poses)
         max_fy = train_wrenches[:, :, FY].max(axis=0)
         tables, counts = _error_tables(predicted, truth, max_fy, level, seed)
-        domains = SampledDomains.around(train_poses, train_wrenches, train_domain, definitions)
+        domains = SampledDomains.around(
+            train_poses, train_wrenches, train_domain, definitions, model.wrench(train_poses)
+        )
         # Loaded samples only: raised copies, which most samples are, lie well inside.
         loaded = (truth[:, :, FY] > 0).any(axis=1)
         outside = np.sort(domains.excess(held_out_poses[loaded], predicted[loaded]))

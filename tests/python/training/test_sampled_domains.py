@@ -104,3 +104,20 @@ def test_flight_and_contact_are_cells_of_their_own(samples):
     poses, wrenches, _, _, count = samples
     high = poses[count:] + 2e-3 * np.eye(6)[1]
     assert (domains.excess(high, np.full_like(wrenches[count:], 300.0)) > 1.05).all()
+
+
+def test_a_surrogates_errors_widen_only_what_they_touch(samples):
+    """Noise on predicted Mx makes room along the axes that see Mx, and leaves the pose's ranges."""
+    poses, wrenches, domain, box, count = samples
+    definitions = [{"domain": 2, "definition": box.describe()}]
+    noise = np.zeros_like(wrenches)
+    noise[:count, 0, MX] = np.random.default_rng(63).normal(0, 3, count)
+    strict = _domains(samples)
+    roomy = SampledDomains.around(poses, wrenches, domain, definitions, wrenches + noise)
+    asked = wrenches + noise
+    inside = [(d.excess(poses[:count], asked[:count]) <= 1).mean() for d in (strict, roomy)]
+    # Six rows, each with 0.2 % beyond it.
+    assert inside[0] < 0.95 and inside[1] > 0.98
+    np.testing.assert_array_equal(roomy.matrix[0, 6:], strict.matrix[0, 6:])
+    far = poses[:count] + np.array([0.1, 0, 0, 0, 0, 0])
+    assert (roomy.excess(far, wrenches[:count]) > 1.5).all()
