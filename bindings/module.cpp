@@ -14,7 +14,11 @@ void bind_surrogate(nb::module_& m);
 void bind_fast_accuracy(nb::module_& m);
 void bind_fdk(nb::module_& m);
 void bind_seating(nb::module_& m);
+void bind_recruitment(nb::module_& m);
 void bind_io(nb::module_& m);
+void bind_model(nb::module_& m);
+void bind_trial_analysis(nb::module_& m);
+void bind_model_files(nb::module_& m);
 }  // namespace condyle::bindings
 
 NB_MODULE(_core, m) {
@@ -28,7 +32,9 @@ NB_MODULE(_core, m) {
   nb::module_ contact = m.def_submodule("contact", "Contact models.");
   nb::module_ surrogate = m.def_submodule("surrogate", "Neural surrogates of the contact model.");
   nb::module_ fdk = m.def_submodule("fdk", "Static equilibrium and the knee simulator.");
-  nb::module_ io = m.def_submodule("io", "Tables in files.");
+  nb::module_ recruitment = m.def_submodule("recruitment", "Sharing loads over muscles.");
+  nb::module_ io = m.def_submodule("io", "Tables, models and trials in files.");
+  nb::module_ model = m.def_submodule("model", "Musculoskeletal models.");
   bind_common(common);
   bind_contact_model(contact);
   bind_geometry(geometry);
@@ -39,5 +45,9 @@ NB_MODULE(_core, m) {
   bind_surrogate(surrogate);
   bind_fdk(fdk);
   bind_seating(fdk);
+  bind_recruitment(recruitment);
   bind_io(io);
+  bind_model(model);
+  bind_trial_analysis(fdk);
+  bind_model_files(io);
 }

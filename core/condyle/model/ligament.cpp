@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "condyle/model/ligament_law.hpp"
+
 namespace condyle::model {
 namespace {
 
@@ -30,7 +32,10 @@ Line line(const Ligament& ligament, const Pose& pose) {
   return l;
 }
 
-double strain(const Ligament& ligament, double length) { return length / ligament.slack_length - 1.0; }
+LigamentForceLaw law(const Ligament& ligament) {
+  return {LigamentLaw::kBlankevoort, ligament.stiffness, ligament.slack_length,
+          2.0 * ligament.transition, 0.0};
+}
 
 // One row of the table of default bundles: attachments in mm of a right knee.
 struct DefaultBundle {
@@ -78,27 +83,14 @@ double slack_length(const Ligament& ligament, const Pose& reference_pose, double
 }
 
 double tension(const Ligament& ligament, double length) {
-  const double e = strain(ligament, length), e0 = ligament.transition;
-  if (e <= 0.0) return 0.0;
-  if (e <= 2.0 * e0) return ligament.stiffness * e * e / (4.0 * e0);
-  return ligament.stiffness * (e - e0);
+  return tension(law(ligament), length).force;
 }
 
 double tension_by_length(const Ligament& ligament, double length) {
-  const double e = strain(ligament, length), e0 = ligament.transition;
-  if (e <= 0.0) return 0.0;
-  const double by_strain =
-      e <= 2.0 * e0 ? ligament.stiffness * e / (2.0 * e0) : ligament.stiffness;
-  return by_strain / ligament.slack_length;
+  return tension(law(ligament), length).by_length;
 }
 
-double energy(const Ligament& ligament, double length) {
-  const double e = strain(ligament, length), e0 = ligament.transition;
-  if (e <= 0.0) return 0.0;
-  const double k = ligament.stiffness * ligament.slack_length;
-  if (e <= 2.0 * e0) return k * e * e * e / (12.0 * e0);
-  return k * (e0 * e0 / 6.0 + 0.5 * (e - e0) * (e - e0));
-}
+double energy(const Ligament& ligament, double length) { return energy(law(ligament), length); }
 
 Wrench ligament_wrench(const Ligament& ligament, const Pose& pose) {
   const Line l = line(ligament, pose);

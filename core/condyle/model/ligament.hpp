@@ -13,6 +13,7 @@
 //
 // The stiffness is dF/dL = (dF/dε)/L₀: k is per STRAIN and is divided by the slack length. F is continuously
 // differentiable; its second derivative jumps at ε = 0 and 2 ε₀.
+// The law itself is in ligament_law.hpp, shared with the strands of a musculoskeletal model.
 // The line is straight: no wrapping over bone or implant. Damping is left out: the model is quasi-static.
 // Pitfall: k and ε_r of one bundle differ between sources by factors of 2 to 10; treat them as uncertain inputs.
 //

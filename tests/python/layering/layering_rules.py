@@ -21,9 +21,10 @@ CORE_EDGES: dict[str, set[str]] = {
     "contact": {"common", "geometry"},
     "surrogate": {"common", "contact/contact_model.hpp"},
     "model": {"common", "numerics"},
-    "fdk": {"common", "numerics", "model", "contact/contact_model.hpp"},
+    "recruitment": {"common", "numerics"},
+    "fdk": {"common", "numerics", "model", "recruitment", "contact/contact_model.hpp"},
     # A load case is a plain struct of columns; reading one needs nothing else of fdk.
-    "io": {"common", "model", "geometry", "fdk/load_case.hpp"},
+    "io": {"common", "numerics", "model", "geometry", "fdk/load_case.hpp"},
     "capi": {"common", "numerics", "contact/contact_model.hpp", "surrogate", "model", "fdk"},
 }
 #: Part of condyle::core although its folder is not: the interface that all contact models share.
@@ -34,6 +35,7 @@ LIBRARY_OF = {
     "numerics": "condyle_core",
     "surrogate": "condyle_core",
     "model": "condyle_core",
+    "recruitment": "condyle_core",
     "fdk": "condyle_core",
     "geometry": "condyle_contact",
     "contact": "condyle_contact",
@@ -45,7 +47,7 @@ LIBRARY_OF = {
 LINK_EDGES: dict[str, set[str]] = {
     "condyle_core": {"Eigen3::Eigen", "condyle_onnxruntime_headers"},
     "condyle_contact": {"condyle::core", "CGAL::CGAL"},
-    "condyle_io": {"condyle::core", "condyle::contact"},
+    "condyle_io": {"condyle::core", "condyle::contact", "pugixml::pugixml"},
     "condyle_capi": {"condyle::core"},
 }
 LINK_ALWAYS = {
@@ -64,11 +66,13 @@ THIRD_PARTY: dict[str, str] = {
     "CLI/": r"core/apps/.*",
     "nanobind/": r"bindings/.*",
     "doctest/": r"tests/cpp/.*",
+    "pugixml": r"core/condyle/io/[^/]+\.cpp",
     "nlohmann/": r"(core/.*|tests/cpp/.*)\.cpp",
 }
 #: Public headers that need no test of their own, and why.
 HEADERS_WITHOUT_TEST = {
     "common/types.hpp": "names of types only",
+    "model/model_description.hpp": "plain data",
     "contact/fast_kernel_body.hpp": "the body of the kernels, tested as such",
     "contact/fast_points.hpp": "as fast_field.hpp",
     "contact/fast_field.hpp": "the field within the kernels, tested against DistanceField through them",
@@ -84,7 +88,7 @@ HEADERS_WITHOUT_TEST = {
 #: its line freely.
 PYTHON_RANKS: list[set[str]] = [
     {"conventions", "errors", "markdown", "whole_files"},
-    {"implants", "contact", "activities", "fdk", "surrogate"},
+    {"implants", "contact", "activities", "fdk", "model", "opensim", "recruitment", "surrogate"},
     {"sampling", "training"},
     {"evaluation"},
     {"report"},
@@ -92,7 +96,7 @@ PYTHON_RANKS: list[set[str]] = [
     {"cli"},
 ]
 #: The thin wrappers: the only ones to import the C++ extension.
-CORE_WRAPPERS = {"contact", "fdk", "surrogate", "activities"}
+CORE_WRAPPERS = {"contact", "fdk", "model", "recruitment", "surrogate", "activities"}
 #: Modules of other projects, and the only packages that may import them.
 PYTHON_THIRD_PARTY: dict[str, set[str]] = {
     "torch": {"training"},

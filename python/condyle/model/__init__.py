@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Musculoskeletal models: bodies, muscles, ligaments, and what a motion asks of them.
+
+A model comes from a file (docs/model_files.md; ``condyle opensim import`` makes one of an OpenSim model), a trial
+from OpenSim's tables. :func:`analyse_trial` does inverse dynamics, muscle and ligament paths and recruitment for all
+time frames. SI units and radians; arrays have one row a time frame and the model's own order of coordinates,
+muscles and ligaments.
+
+    model = MusculoskeletalModel.read("model.json")
+    trial = read_trial(model, "coordinates.sto", external_loads="external_loads.xml")
+    result = analyse_trial(model, trial, MuscleSettings(criterion=3))
+"""
+
+from condyle.model.musculoskeletal_model import MusculoskeletalModel
+from condyle.model.scene import ModelScene, Polyline, Surface
+from condyle.model.scenes import scene_at
+from condyle.model.trial import Trial, make_trial, read_trial, with_snapshots
+from condyle.model.trial_analysis import MuscleSettings, TrialAnalysis, analyse_trial
+
+__all__ = [
+    "ModelScene",
+    "MuscleSettings",
+    "MusculoskeletalModel",
+    "Polyline",
+    "Surface",
+    "Trial",
+    "TrialAnalysis",
+    "analyse_trial",
+    "make_trial",
+    "read_trial",
+    "scene_at",
+    "with_snapshots",
+]
