@@ -86,14 +86,18 @@ void bind_model_class(nb::module_& m) {
   list("coordinate_names", &ModelDescription::coordinates);
   list("muscle_names", &ModelDescription::muscles);
   list("ligament_names", &ModelDescription::ligaments);
+  list("wrap_names", &ModelDescription::wraps);
   list("marker_names", &ModelDescription::markers);
   list("contact_surface_names", &ModelDescription::contact_surfaces);
+  list("contact_pair_names", &ModelDescription::contact_pairs);
   const auto of_coordinates = [&](const char* name, auto get) {
     c.def_prop_ro(name, [get](const Model& self) { return column(self.description().coordinates, get); });
   };
   of_coordinates("coordinate_roles", role);
   of_coordinates("coordinate_balances", balance);
   of_coordinates("coordinate_defaults", [](const CoordinateDescription& q) { return q.default_value; });
+  of_coordinates("coordinate_minima", [](const CoordinateDescription& q) { return q.range_min; });
+  of_coordinates("coordinate_maxima", [](const CoordinateDescription& q) { return q.range_max; });
   of_coordinates("coordinate_is_rotational", [](const CoordinateDescription& q) { return q.rotational; });
   of_coordinates("coordinate_is_locked", [](const CoordinateDescription& q) { return q.locked; });
   c.def_prop_ro("coordinate_needs_motion", [](const Model& self) {
@@ -103,11 +107,20 @@ void bind_model_class(nb::module_& m) {
     }
     return needs;
   }, "Of each coordinate: neither locked nor following another.");
+  c.def_prop_ro("coupled_coordinates", [](const Model& self) {
+     return column(self.description().couplings, [](const CouplingDescription& c) { return c.dependent; });
+   }).def_prop_ro("sprung_coordinates", [](const Model& self) {
+     return column(self.description().springs, [](const SpringDescription& s) { return s.coordinate; });
+   }).def_prop_ro("gravity", [](const Model& self) { return to_numpy(self.description().gravity); },
+                  nb::rv_policy::move, "(3,) [m/s²].");
   c.def_prop_ro("name", [](const Model& self) { return self.description().name; })
       .def_prop_ro("source", [](const Model& self) { return self.description().source; })
       .def_prop_ro("description", &Model::description, nb::rv_policy::copy)
       .def_prop_ro("masses", [](const Model& self) {
         return column(self.description().bodies, [](const BodyDescription& body) { return body.mass; });
+      })
+      .def_prop_ro("muscle_max_forces", [](const Model& self) {
+        return column(self.description().muscles, [](const MuscleDescription& m) { return m.max_isometric_force; });
       })
       .def_prop_ro("parents", [](const Model& self) {
         std::vector<int> parents;
@@ -132,10 +145,11 @@ void bind_kinematics(nb::module_& m) {
            },
            nb::arg("model"), nb::arg("q"), nb::keep_alive<1, 2>())
       .def_prop_ro("q", [](const Kinematics& self) { return to_numpy(self.q()); }, nb::rv_policy::move)
-      .def_prop_ro("joint_placements", [](const Kinematics& self) {
-        return placements(self, self.model().description().joints,
-                          [](const JointDescription& joint) -> const FrameDescription& { return joint.parent; });
-      }, nb::rv_policy::move, "(joints, 4, 4) parent frames in ground.")
+      .def_prop_ro("body_placements", [](const Kinematics& self) {
+        std::vector<FrameDescription> bodies(self.model().description().bodies.size());
+        for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].body = self.model().description().bodies[i].name;
+        return placements(self, bodies, [](const FrameDescription& body) -> const FrameDescription& { return body; });
+      }, nb::rv_policy::move, "(bodies, 4, 4) in ground.")
       .def_prop_ro("child_placements", [](const Kinematics& self) {
         return placements(self, self.model().description().joints,
                           [](const JointDescription& joint) -> const FrameDescription& { return joint.child; });

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import condyle
-from condyle.cli import contact, contact_map, implant, opensim, samples, stages, surrogate
+from condyle.cli import contact, contact_map, implant, model, opensim, samples, stages, surrogate
 from condyle.cli.console import errors
 from condyle.errors import CondyleError
 
@@ -23,6 +23,7 @@ app = typer.Typer(
 contact_map.add_to(contact.app)
 app.add_typer(contact.app, name="contact")
 app.add_typer(implant.app, name="implant")
+app.add_typer(model.app, name="model")
 app.add_typer(opensim.app, name="opensim")
 app.add_typer(samples.app, name="samples")
 app.add_typer(surrogate.app, name="surrogate")

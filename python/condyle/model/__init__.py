@@ -11,23 +11,33 @@ muscles and ligaments.
     result = analyse_trial(model, trial, MuscleSettings(criterion=3))
 """
 
+from condyle.model.analysis_files import failed_frames, summarise_analysis, write_analysis
+from condyle.model.model_summary import ModelSummary, summarise
 from condyle.model.musculoskeletal_model import MusculoskeletalModel
 from condyle.model.scene import ModelScene, Polyline, Surface
 from condyle.model.scenes import scene_at
+from condyle.model.surface_files import SurfaceFile, surface_files
 from condyle.model.trial import Trial, make_trial, read_trial, with_snapshots
 from condyle.model.trial_analysis import MuscleSettings, TrialAnalysis, analyse_trial
 
 __all__ = [
     "ModelScene",
+    "ModelSummary",
     "MuscleSettings",
     "MusculoskeletalModel",
     "Polyline",
     "Surface",
+    "SurfaceFile",
     "Trial",
     "TrialAnalysis",
     "analyse_trial",
+    "failed_frames",
     "make_trial",
     "read_trial",
     "scene_at",
+    "summarise",
+    "summarise_analysis",
+    "surface_files",
     "with_snapshots",
+    "write_analysis",
 ]

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from condyle._core.fdk import balanced_coordinates
 from condyle._core.io import ModelDescription, read_model_file
 from condyle._core.model import Model
 from condyle.errors import InputDataError
@@ -57,6 +58,11 @@ class MusculoskeletalModel:
         """Coordinates whose motion is solved for."""
         roles = zip(self.coordinate_names, self.core.coordinate_roles, strict=True)
         return tuple(name for name, role in roles if role == "force_dependent")
+
+    @property
+    def balanced_by_muscles(self) -> tuple[str, ...]:
+        """Coordinates whose load muscles share."""
+        return tuple(self.coordinate_names[c] for c in balanced_coordinates(self.core))
 
     def coordinate(self, name: str) -> int:
         """Index of a coordinate.

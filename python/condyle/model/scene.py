@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+def _nothing(*shape: int) -> Array:
+    return np.empty((0, *shape))
+
+
 @dataclass(frozen=True)
 class Polyline:
     """A muscle's or ligament's line.
@@ -47,20 +51,26 @@ class ModelScene:
 
     Attributes:
         title: Model and time.
-        bones: A line a body, from the joint that it hangs on to each joint that hangs on it: (k, 2, 3) [m].
-        centres: (bodies, 3) mass centres [m].
+        bones: (k, 2, 3) [m] a line of a body: from the joint that it hangs on to one that hangs on it.
+        plates: Bodies with three joints and more: (k, 3) these joints [m].
+        joints: (joints, 3) where bodies hang [m].
         muscles: Their lines.
         ligaments: Theirs.
         surfaces: Contact surfaces.
         markers: (markers, 3) [m].
         forces: (k, 2, 3) point and force [m, N] of external loads.
+        up: (3,) unit vector against gravity.
+        forward: (3,) horizontal unit vector to where the body faces.
     """
 
     title: str
-    bones: Array
-    centres: Array
+    bones: Array = field(default_factory=lambda: _nothing(2, 3))
+    plates: tuple[Array, ...] = ()
+    joints: Array = field(default_factory=lambda: _nothing(3))
     muscles: tuple[Polyline, ...] = ()
     ligaments: tuple[Polyline, ...] = ()
     surfaces: tuple[Surface, ...] = ()
-    markers: Array = field(default_factory=lambda: np.empty((0, 3)))
-    forces: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+    markers: Array = field(default_factory=lambda: _nothing(3))
+    forces: Array = field(default_factory=lambda: _nothing(2, 3))
+    up: Array = field(default_factory=lambda: np.array([0.0, 1.0, 0.0]))
+    forward: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))

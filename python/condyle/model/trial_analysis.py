@@ -162,7 +162,9 @@ def analyse_trial(
         threads,
     )
     poses = found.segment_poses.reshape(len(trial), -1, 12)
-    arms = found.moment_arms.reshape(-1, len(model.coordinate_names), len(model.muscle_names))
+    # Without muscles the size says nothing about the rows.
+    shape = (len(found.moment_arms), len(model.coordinate_names), len(model.muscle_names))
+    arms = found.moment_arms.reshape(shape)
     balanced = _fdk.balanced_coordinates(model.core)
     return TrialAnalysis(
         times=trial.times,
