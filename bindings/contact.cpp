@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "condyle/contact/implant_check.hpp"
 #include "condyle/contact/mesh_contact.hpp"
+#include "condyle/contact/pair_contact_model.hpp"
 
 namespace condyle::bindings {
 namespace {
@@ -138,6 +139,11 @@ void bind_contact(nb::module_& m) {
            "Everything at poses (n, 6).")
       .def("face_pressure", &face_pressure, "pose"_a, "side"_a,
            "Depth [m] and pressure [Pa] of each face of one compartment.");
+  nb::class_<PairContactModel, ContactModel>(m, "PairContactModel",
+                                             "A pair of bodies as a contact model of one side.")
+      .def(nb::init<ContactPair, SideOfBody, Side, double>(), "pair"_a, "side_of_body"_a, "side"_a,
+           "plausible_depth"_a)
+      .def_prop_ro("side", &PairContactModel::side);
 }
 
 }  // namespace condyle::bindings

@@ -14,10 +14,12 @@ void bind_surrogate(nb::module_& m);
 void bind_fast_accuracy(nb::module_& m);
 void bind_fdk(nb::module_& m);
 void bind_seating(nb::module_& m);
+void bind_given_loads(nb::module_& m);
 void bind_recruitment(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_model(nb::module_& m);
 void bind_trial_analysis(nb::module_& m);
+void bind_force_dependent(nb::module_& m);
 void bind_model_files(nb::module_& m);
 }  // namespace condyle::bindings
 
@@ -46,8 +48,10 @@ NB_MODULE(_core, m) {
   bind_fdk(fdk);
   bind_seating(fdk);
   bind_recruitment(recruitment);
+  bind_given_loads(fdk);
   bind_io(io);
   bind_model(model);
   bind_trial_analysis(fdk);
+  bind_force_dependent(fdk);
   bind_model_files(io);
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/fdk/musculoskeletal_frame.hpp"
 
+#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "condyle/model/model_checks.hpp"
 
@@ -40,6 +43,15 @@ std::vector<model::Path> muscle_paths(const Model& model) {
   return paths;
 }
 
+void require_columns(const Model& model, const std::vector<int>& columns) {
+  for (const int c : columns) {
+    if (c >= 0 && c < model.n_coordinates() && !model.dependent(c)) continue;
+    throw std::invalid_argument(model_label(model.description()) + ": derivatives by coordinate " + std::to_string(c) +
+                                ": must be 0 to " + std::to_string(model.n_coordinates() - 1) +
+                                " and not follow another");
+  }
+}
+
 void require_reserve(const char* field, double value) {
   if (std::isfinite(value) && value >= 0.0) return;
   std::ostringstream text;
@@ -67,31 +79,49 @@ recruitment::RecruitmentSetup recruitment_setup(const Model& model, const std::v
 
 }  // namespace
 
-MusculoskeletalFrame::MusculoskeletalFrame(const Model& model, const MuscleSettings& settings)
+MusculoskeletalFrame::MusculoskeletalFrame(const Model& model, const MuscleSettings& settings,
+                                           std::span<const int> columns)
     : model_(&model),
       settings_(settings),
+      columns_(columns.begin(), columns.end()),
       balanced_(balanced_coordinates(model)),
       kinematics_(model),
       dynamics_(model),
       paths_(muscle_paths(model)),
       strands_(model),
-      strand_loads_(strands_),
+      strand_loads_(strands_, columns),
       held_(paths_.size(), nullptr),
       muscles_(paths_.size()) {
   require_reserve("reserve_moment", settings.reserve_moment);
   require_reserve("reserve_force", settings.reserve_force);
+  require_columns(model, columns_);
   const auto n = static_cast<Eigen::Index>(model.n_coordinates());
   const auto m = static_cast<Eigen::Index>(paths_.size());
   const auto k = static_cast<Eigen::Index>(balanced_.size());
+  const auto c = static_cast<Eigen::Index>(columns_.size());
   for (const model::Path& path : paths_) {
     gradients_.emplace_back(Eigen::VectorXd::Zero(path.n_coordinates()));
+    const bool moves = std::any_of(columns_.begin(), columns_.end(),
+                                   [&](int column) { return path.coordinate_index(column) >= 0; });
+    moves_.push_back(moves ? 1 : 0);
+    hessians_.emplace_back(Eigen::MatrixXd::Zero(moves ? path.n_coordinates() : 0, c));
     path_workspace_.reserve(path, 0);
   }
   moment_arms_.setZero(n, m);
-  for (Eigen::VectorXd* v : {&ligament_tau_, &spring_tau_, &passive_, &residual_}) v->setZero(n);
-  for (Eigen::VectorXd* v : {&forces_, &strengths_}) v->setZero(m);
+  for (Eigen::VectorXd* v : {&ligament_tau_, &spring_tau_, &passive_, &residual_, &q_, &qd_, &qdd_, &no_others_}) {
+    v->setZero(n);
+  }
+  for (Eigen::VectorXd* v : {&forces_, &strengths_, &active_}) v->setZero(m);
   loads_.setZero(k);
   arms_.setZero(k, m);
+  coupling_.setZero(k, c);
+  for (Eigen::MatrixXd* matrix : {&dynamics_rates_, &passive_rates_, &other_rates_}) matrix->setZero(n, c);
+  force_rates_.setZero(m, c);
+  load_rates_.setZero(c, k);
+  arm_rates_.setZero(c * k, m);
+  strength_rates_.setZero(c, m);
+  active_rates_.setZero(c, m);
+  reserve_rates_.setZero(c, k);
   if (k > 0 && m > 0) {
     solver_.emplace(recruitment_setup(model, balanced_, settings), settings.recruitment);
   }
@@ -115,10 +145,23 @@ void MusculoskeletalFrame::set_motion(const Eigen::Ref<const Eigen::VectorXd>& q
                                       const Eigen::Ref<const Eigen::VectorXd>& qd,
                                       const Eigen::Ref<const Eigen::VectorXd>& qdd) {
   kinematics_.set(q, qd, qdd);
+  q_ = q;
+  qd_ = qd;
+  qdd_ = qdd;
+  all_paths_ = true;
+}
+
+void MusculoskeletalFrame::move_columns(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  for (std::size_t i = 0; i < columns_.size(); ++i) q_[columns_[i]] = values[static_cast<Eigen::Index>(i)];
+  kinematics_.set(q_, qd_, qdd_);
 }
 
 void MusculoskeletalFrame::compute_dynamics(std::span<const model::ExternalLoad> loads) {
   dynamics_.compute(kinematics_, loads);
+}
+
+void MusculoskeletalFrame::differentiate_dynamics() {
+  dynamics_.derivative(kinematics_, columns_, dynamics_rates_);
 }
 
 void MusculoskeletalFrame::hold_paths(const model::PathSnapshots* snapshots, std::size_t row) {
@@ -131,15 +174,19 @@ void MusculoskeletalFrame::hold_paths(const model::PathSnapshots* snapshots, std
   } else {
     for (int i = 0; i < strands_.size(); ++i) strand_loads_.hold(i, nullptr);
   }
+  all_paths_ = true;
 }
 
-void MusculoskeletalFrame::compute_muscles() {
+void MusculoskeletalFrame::compute_muscles(bool derivatives) {
   const auto& descriptions = model_->description().muscles;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
+    if (!all_paths_ && !moves_[i]) continue;
     const model::Path& path = paths_[i];
     Eigen::VectorXd& gradient = gradients_[i];
     MuscleNow& now = muscles_[i];
-    now.length = path.gradient(kinematics_, path_workspace_, gradient, held_[i]);
+    now.length = derivatives && moves_[i]
+                     ? path.hessian(kinematics_, path_workspace_, columns_, gradient, hessians_[i], held_[i])
+                     : path.gradient(kinematics_, path_workspace_, gradient, held_[i]);
     now.velocity = path.velocity(kinematics_, gradient);
     now.strength = muscle_strength(descriptions[i], settings_.strength, now.length, now.velocity);
     auto arms = moment_arms_.col(static_cast<Eigen::Index>(i));
@@ -147,37 +194,164 @@ void MusculoskeletalFrame::compute_muscles() {
       arms[path.coordinates()[static_cast<std::size_t>(k)]] = -gradient[k];
     }
   }
+  all_paths_ = false;
 }
 
-void MusculoskeletalFrame::compute_ligaments() {
+void MusculoskeletalFrame::compute_ligaments(bool derivatives) {
   ligament_tau_.setZero();
-  strands_.add_forces(kinematics_, strand_loads_, ligament_tau_);
   spring_tau_.setZero();
   add_spring_force(kinematics_, spring_tau_);
+  if (!derivatives) {
+    strands_.add_forces(kinematics_, strand_loads_, ligament_tau_);
+    return;
+  }
+  passive_rates_.setZero();
+  strands_.add_forces_and_stiffness(kinematics_, strand_loads_, ligament_tau_, passive_rates_);
+  add_spring_force_derivative(kinematics_, columns_, passive_rates_);
 }
 
-const recruitment::Recruitment& MusculoskeletalFrame::recruit() {
-  if (!solver_) {
-    throw std::logic_error(model_label(model_->description()) +
-                           ": no muscles, or no coordinate that muscles balance: nothing to recruit");
-  }
+// What is passive, and what is left of τ on the balanced coordinates.
+void MusculoskeletalFrame::balance(const Eigen::Ref<const Eigen::VectorXd>& others) {
   for (std::size_t i = 0; i < muscles_.size(); ++i) {
     const auto m = static_cast<Eigen::Index>(i);
     strengths_[m] = muscles_[i].strength.strength;
     forces_[m] = muscles_[i].strength.passive;
   }
   passive_.noalias() = moment_arms_ * forces_;
-  passive_ += ligament_tau_ + spring_tau_;
+  passive_ += ligament_tau_ + spring_tau_ + others;
   for (std::size_t j = 0; j < balanced_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     loads_[row] = dynamics_.generalised_forces()[balanced_[j]] - passive_[balanced_[j]];
     arms_.row(row) = moment_arms_.row(balanced_[j]);
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const double share = coupling_(row, static_cast<Eigen::Index>(i));
+      if (share == 0.0) continue;
+      loads_[row] += share * (dynamics_.generalised_forces()[columns_[i]] - passive_[columns_[i]]);
+      arms_.row(row) += share * moment_arms_.row(columns_[i]);
+    }
   }
-  const recruitment::Recruitment& result = solver_->solve({arms_, loads_, strengths_, minima_});
-  residual_.noalias() = moment_arms_ * result.forces;
+}
+
+void MusculoskeletalFrame::finish() {
+  residual_.noalias() = moment_arms_ * active_;
   residual_ = dynamics_.generalised_forces() - passive_ - residual_;
-  forces_ += result.forces;
+  forces_ += active_;
+}
+
+const recruitment::Recruitment& MusculoskeletalFrame::recruit() { return recruit(no_others_); }
+
+const recruitment::Recruitment& MusculoskeletalFrame::recruit(
+    const Eigen::Ref<const Eigen::VectorXd>& others) {
+  if (!solver_) {
+    throw std::logic_error(model_label(model_->description()) +
+                           ": no muscles, or no coordinate that muscles balance: nothing to recruit");
+  }
+  balance(others);
+  const recruitment::Recruitment& result = solver_->solve({arms_, loads_, strengths_, minima_});
+  active_ = result.forces;
+  finish();
   return result;
+}
+
+void MusculoskeletalFrame::leave_passive(const Eigen::Ref<const Eigen::VectorXd>& others) {
+  balance(others);
+  active_.setZero();
+  finish();
+}
+
+// Adds ∂(R tension)/∂q_c of one muscle at fixed tension: −H tension.
+void MusculoskeletalFrame::add_tension_derivative(std::size_t muscle, double tension,
+                                                  Eigen::Ref<Eigen::MatrixXd> derivative) const {
+  const auto coordinates = paths_[muscle].coordinates();
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    derivative.row(coordinates[k]) -= tension * hessians_[muscle].row(static_cast<Eigen::Index>(k));
+  }
+}
+
+void MusculoskeletalFrame::differentiate_recruitment() {
+  const auto k = static_cast<Eigen::Index>(balanced_.size());
+  for (std::size_t j = 0; j < balanced_.size(); ++j) {
+    const int b = balanced_[j];
+    auto column = load_rates_.col(static_cast<Eigen::Index>(j));
+    column = (dynamics_rates_.row(b) - passive_rates_.row(b) - other_rates_.row(b)).transpose();
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const int a = columns_[i];
+      column += coupling_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) *
+                (dynamics_rates_.row(a) - passive_rates_.row(a) - other_rates_.row(a)).transpose();
+    }
+  }
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    if (!moves_[i]) continue;
+    const auto m = static_cast<Eigen::Index>(i);
+    const model::MuscleStrength& now = muscles_[i].strength;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const auto column = static_cast<Eigen::Index>(c);
+      const auto hessian = hessians_[i].col(column);
+      const int own = paths_[i].coordinate_index(columns_[c]);
+      double rate = own < 0 ? 0.0 : now.strength_by_length * gradients_[i][own];
+      rate += now.strength_by_velocity * paths_[i].velocity(kinematics_, hessian);
+      strength_rates_(column, m) = rate;
+      for (std::size_t j = 0; j < balanced_.size(); ++j) {
+        const auto b = static_cast<Eigen::Index>(j);
+        const int row = paths_[i].coordinate_index(balanced_[j]);
+        double change = row < 0 ? 0.0 : -hessian[row];
+        for (std::size_t a = 0; a < columns_.size(); ++a) {
+          const int other = paths_[i].coordinate_index(columns_[a]);
+          if (other >= 0) change -= coupling_(b, static_cast<Eigen::Index>(a)) * hessian[other];
+        }
+        arm_rates_(column * k + b, m) = change;
+      }
+    }
+  }
+  solver_->forces_along(load_rates_, arm_rates_, strength_rates_, active_rates_, reserve_rates_);
+  force_rates_ = active_rates_.transpose();
+}
+
+void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others,
+                                                  Eigen::Ref<Eigen::MatrixXd> derivative) {
+  other_rates_ = others;
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    const model::MuscleStrength& now = muscles_[i].strength;
+    if (!moves_[i] || (now.passive == 0.0 && now.passive_by_length == 0.0)) continue;
+    add_tension_derivative(i, now.passive, passive_rates_);
+    const auto arms = moment_arms_.col(static_cast<Eigen::Index>(i));
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const int own = paths_[i].coordinate_index(columns_[c]);
+      if (own < 0) continue;
+      passive_rates_.col(static_cast<Eigen::Index>(c)) +=
+          (now.passive_by_length * gradients_[i][own]) * arms;
+    }
+  }
+  derivative = dynamics_rates_ - passive_rates_ - other_rates_;
+  force_rates_.setZero();
+  if (solver_ && solver_->result().converged()) differentiate_recruitment();
+  derivative.noalias() -= moment_arms_ * force_rates_;
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    const double tension = active_[static_cast<Eigen::Index>(i)];
+    if (moves_[i] && tension != 0.0) add_tension_derivative(i, -tension, derivative);
+  }
+}
+
+bool MusculoskeletalFrame::coupling(const Eigen::Ref<const Eigen::MatrixXd>& derivative,
+                                    Eigen::Ref<Eigen::MatrixXd> C) const {
+  const auto k = static_cast<Eigen::Index>(balanced_.size());
+  const auto c = static_cast<Eigen::Index>(columns_.size());
+  // f held: what its answer gave the derivative is put back.
+  Eigen::MatrixXd K_balanced(k, c), K_columns(c, c);
+  for (Eigen::Index j = 0; j < k; ++j) {
+    const int b = balanced_[static_cast<std::size_t>(j)];
+    K_balanced.row(j) = derivative.row(b) + moment_arms_.row(b) * force_rates_;
+  }
+  for (Eigen::Index j = 0; j < c; ++j) {
+    const int a = columns_[static_cast<std::size_t>(j)];
+    K_columns.row(j) = derivative.row(a) + moment_arms_.row(a) * force_rates_;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(K_columns.transpose());
+  if (!qr.isInvertible()) return false;
+  const Eigen::MatrixXd found = -qr.solve(K_balanced.transpose()).transpose();
+  if (!found.allFinite()) return false;
+  C = found;
+  return true;
 }
 
 }  // namespace condyle::fdk

@@ -4,14 +4,17 @@
 :func:`solve_static_equilibria` finds, for prescribed {x, z, θy, θz} and contact loads {Fy, Mx}, the
 pose that carries them: what sampling needs. :func:`simulate_knee` runs a load case through the knee
 simulator: flexion driven, the five other coordinates found from equilibrium at each time frame.
-:func:`seated_pose` and :func:`first_touch` say where contact begins. All take any contact model (reference,
-surrogate, hybrid) and assume it frictionless and quasi-static. Numerics that do not work out are a status,
-never an exception.
+
+:func:`solve_given_loads` is for simulators of one's own: loads, moment arms and strengths in, secondary
+kinematics, muscle, ligament and contact forces out. :func:`seated_pose` and :func:`first_touch` say where
+contact begins. All take any contact model (reference, surrogate, hybrid) and assume it frictionless and
+quasi-static. Numerics that do not work out are a status, never an exception.
 """
 
 from condyle._core.fdk import (
     EquilibriumStatus,
     FrameStatus,
+    GivenLoadsSettings,
     JacobianMethod,
     KneeSimulatorSettings,
     Ligament,
@@ -22,6 +25,7 @@ from condyle._core.fdk import (
     StaticEquilibriumSettings,
     TouchSearch,
 )
+from condyle.fdk.given_loads import GivenLoadsSimulation, solve_given_loads
 from condyle.fdk.knee_simulator import KneeSimulation, settled_pose, simulate_knee
 from condyle.fdk.ligaments import default_ligaments
 from condyle.fdk.seating import Seat, first_touch, load_seated, seated_pose
@@ -34,6 +38,8 @@ from condyle.fdk.static_equilibrium import (
 __all__ = [
     "EquilibriumStatus",
     "FrameStatus",
+    "GivenLoadsSettings",
+    "GivenLoadsSimulation",
     "JacobianMethod",
     "KneeSimulation",
     "KneeSimulatorSettings",
@@ -53,5 +59,6 @@ __all__ = [
     "seated_pose",
     "settled_pose",
     "simulate_knee",
+    "solve_given_loads",
     "solve_static_equilibria",
 ]

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "fdk/leg_model.hpp"
 #include "support/forearm_model.hpp"
 
 using namespace condyle;
@@ -115,4 +117,39 @@ TEST_CASE("what cannot be meant is refused by name") {
   frame.set_motion(one(0.1), one(0.0), one(0.0));
   CHECK(frame.balanced().empty());
   CHECK_THROWS_WITH_AS(frame.recruit(), doctest::Contains("nothing to recruit"), std::logic_error);
+}
+
+TEST_CASE("moving some coordinates is what setting the whole motion anew is") {
+  model::ModelDescription description = test::leg_model_description();
+  // A muscle that the knee does not move.
+  model::MuscleDescription gluteus = description.muscles[0];
+  gluteus.name = "gluteus";
+  gluteus.path.points = {gluteus.path.points[0], gluteus.path.points[0]};
+  gluteus.path.points[0].body = model::kGround;
+  gluteus.path.points[0].location = {0.05, 1.2, 0.1};
+  description.muscles.push_back(gluteus);
+  const model::Model model(description);
+  const std::vector<int> columns{model.coordinate("adduction"), model.coordinate("tx"), model.coordinate("ty")};
+  const FrameInstant instant = test::leg_instant(model, 0.6);
+  MusculoskeletalFrame moved(model, {}, columns), set(model, {});
+  const auto compute = [&](MusculoskeletalFrame& frame) {
+    frame.compute_dynamics(instant.loads);
+    frame.compute_muscles();
+    frame.compute_ligaments();
+    frame.recruit();
+  };
+  moved.set_motion(instant.q, instant.qd, instant.qdd);
+  compute(moved);
+  const Vector3 values(0.02, -0.003, -0.004);
+  moved.move_columns(values);
+  compute(moved);
+  Eigen::VectorXd q = instant.q;
+  for (int i = 0; i < 3; ++i) q[columns[static_cast<std::size_t>(i)]] = values[i];
+  set.set_motion(q, instant.qd, instant.qdd);
+  compute(set);
+  CHECK(moved.residual() == set.residual());
+  CHECK(moved.moment_arms() == set.moment_arms());
+  CHECK(moved.muscle_forces() == set.muscle_forces());
+  CHECK_THROWS_WITH_AS(MusculoskeletalFrame(model, {}, std::vector<int>{7}),
+                       doctest::Contains("coordinate 7: must be 0 to 6"), std::invalid_argument);
 }

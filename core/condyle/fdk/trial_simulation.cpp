@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "condyle/fdk/trial_simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "condyle/common/parallel.hpp"
+
+namespace condyle::fdk {
+namespace {
+
+using numerics::Unknowns;
+
+struct Run {
+  const model::Model& model;
+  const TrialInput& input;
+  std::span<const BodyContactDescription> contacts;
+  const TimeFrames& starts;
+  const TrialSimulationSettings& settings;
+};
+
+void require_fitting(const model::Model& model, const TrialInput& input) {
+  const Eigen::Index frames = input.q.rows(), n = model.n_coordinates();
+  const auto require = [&](const char* what, const TimeFrames& table) {
+    if (table.rows() != frames || table.cols() != n) {
+      throw std::invalid_argument(
+          std::string("trial: ") + what + " has shape (" + std::to_string(table.rows()) + ", " +
+          std::to_string(table.cols()) + "); it must be (" + std::to_string(frames) + ", " +
+          std::to_string(n) + ") (time frames, coordinates)");
+    }
+  };
+  if (frames < 1) throw std::invalid_argument("trial: no time frames");
+  require("q", input.q);
+  require("qd", input.qd);
+  require("qdd", input.qdd);
+  const auto rows = static_cast<std::size_t>(frames);
+  if (!input.loads.empty() && input.loads.size() != rows) {
+    throw std::invalid_argument("trial: external loads of " + std::to_string(input.loads.size()) +
+                                " time frames; q has " + std::to_string(rows));
+  }
+  if (input.snapshots != nullptr && input.snapshot_rows.size() != rows) {
+    throw std::invalid_argument("trial: snapshot_rows has " +
+                                std::to_string(input.snapshot_rows.size()) + " entries; q has " +
+                                std::to_string(rows) + " rows");
+  }
+}
+
+void require_starts(const TimeFrames& starts, Eigen::Index frames, int unknowns) {
+  if (starts.size() == 0) return;
+  if ((starts.rows() != 1 && starts.rows() != frames) || starts.cols() != unknowns) {
+    throw std::invalid_argument("trial: starts has shape (" + std::to_string(starts.rows()) + ", " +
+                                std::to_string(starts.cols()) + "); it must be (1, " +
+                                std::to_string(unknowns) + ") or (" + std::to_string(frames) +
+                                ", " + std::to_string(unknowns) +
+                                ") (time frames, force-dependent coordinates)");
+  }
+  if (!starts.allFinite())
+    throw std::invalid_argument("trial: starts has a value that is not finite");
+}
+
+TrialSimulation make_room(const Run& run) {
+  const MuscleEquilibrium problem(run.model, run.settings.muscles, run.contacts);
+  require_starts(run.starts, run.input.q.rows(), problem.size());
+  TrialSimulation out;
+  out.force_dependent.assign(problem.force_dependent().begin(), problem.force_dependent().end());
+  for (const BodyContact& contact : problem.contacts()) out.contact_names.push_back(contact.name());
+  const Eigen::Index frames = run.input.q.rows(), n = run.model.n_coordinates();
+  const auto a = static_cast<Eigen::Index>(problem.size());
+  const auto c = static_cast<Eigen::Index>(problem.contacts().size());
+  const auto m = static_cast<Eigen::Index>(run.model.description().muscles.size());
+  const auto s = static_cast<Eigen::Index>(run.model.description().ligaments.size());
+  const auto room = [&](Eigen::Index columns, std::initializer_list<TimeFrames*> tables) {
+    for (TimeFrames* table : tables) table->setZero(frames, columns);
+  };
+  room(n, {&out.q, &out.contact_loads, &out.generalised_forces, &out.ligament_loads,
+           &out.spring_loads, &out.residuals});
+  room(a, {&out.alpha, &out.alpha_residuals});
+  room(12 * run.model.n_bodies(), {&out.segment_poses});
+  room(6 * c, {&out.contact_poses});
+  room(12 * c, {&out.contact_wrenches, &out.contact_errors});
+  room(c, {&out.contact_trust});
+  room(m, {&out.muscle_lengths, &out.muscle_strengths, &out.passive_forces, &out.muscle_forces,
+           &out.activities});
+  room(static_cast<Eigen::Index>(problem.frame().balanced().size()), {&out.reserves});
+  room(s, {&out.ligament_lengths, &out.ligament_strains, &out.ligament_forces});
+  out.records.resize(static_cast<std::size_t>(frames));
+  return out;
+}
+
+void keep_bodies(const MuscleEquilibrium& problem, Eigen::Index row, TrialSimulation& out) {
+  const model::Kinematics& kinematics = problem.frame().kinematics();
+  out.q.row(row) = kinematics.q().transpose();
+  for (int body = 0; body < kinematics.model().n_bodies(); ++body) {
+    const RigidTransform& X_GB = kinematics.X_GB(body);
+    auto place = out.segment_poses.row(row).segment<12>(12 * body);
+    for (int i = 0; i < 3; ++i) place.segment<3>(3 * i) = X_GB.R.row(i);
+    place.tail<3>() = X_GB.p.transpose();
+  }
+}
+
+void keep_contacts(const MuscleEquilibrium& problem, Eigen::Index row, TrialSimulation& out) {
+  for (std::size_t i = 0; i < problem.contacts().size(); ++i) {
+    const BodyContact& contact = problem.contacts()[i];
+    const auto c = static_cast<Eigen::Index>(i);
+    out.contact_poses.row(row).segment<6>(6 * c) = contact.pose().transpose();
+    out.contact_trust(row, c) = contact.loads().trust;
+    for (int side = 0; side < kSides; ++side) {
+      const auto s = static_cast<std::size_t>(side);
+      out.contact_wrenches.row(row).segment<6>(12 * c + 6 * side) =
+          contact.loads().wrench[s].transpose();
+      out.contact_errors.row(row).segment<6>(12 * c + 6 * side) =
+          contact.loads().error[s].transpose();
+    }
+  }
+  out.contact_loads.row(row) = problem.contact_forces().transpose();
+}
+
+void keep_muscles(const MuscleEquilibrium& problem, Eigen::Index row, TrialSimulation& out) {
+  const MusculoskeletalFrame& frame = problem.frame();
+  for (std::size_t i = 0; i < frame.muscles().size(); ++i) {
+    const auto m = static_cast<Eigen::Index>(i);
+    out.muscle_lengths(row, m) = frame.muscles()[i].length;
+    out.muscle_strengths(row, m) = frame.muscles()[i].strength.strength;
+    out.passive_forces(row, m) = frame.muscles()[i].strength.passive;
+  }
+  out.muscle_forces.row(row) = frame.muscle_forces().transpose();
+  if (problem.recruited() != nullptr) {
+    out.activities.row(row) = problem.recruited()->activities.transpose();
+    out.reserves.row(row) = problem.recruited()->reserves.transpose();
+  }
+}
+
+void keep(const MuscleEquilibrium& problem, Eigen::Index row, TrialSimulation& out) {
+  const MusculoskeletalFrame& frame = problem.frame();
+  const ForceDependentRecord& record = out.records[static_cast<std::size_t>(row)];
+  keep_bodies(problem, row, out);
+  keep_contacts(problem, row, out);
+  keep_muscles(problem, row, out);
+  out.alpha.row(row) = record.alpha.transpose();
+  out.alpha_residuals.row(row) = record.residual.transpose();
+  out.generalised_forces.row(row) = frame.generalised_forces().transpose();
+  out.ligament_loads.row(row) = frame.ligament_forces().transpose();
+  out.spring_loads.row(row) = frame.spring_forces().transpose();
+  out.residuals.row(row) = frame.residual().transpose();
+  out.ligament_lengths.row(row) = frame.strand_loads().length.transpose();
+  out.ligament_strains.row(row) = frame.strand_loads().strain.transpose();
+  out.ligament_forces.row(row) = frame.strand_loads().force.transpose();
+}
+
+FrameInstant instant_of(const Run& run, std::span<const int> columns, Eigen::Index row) {
+  const auto i = static_cast<std::size_t>(row);
+  FrameInstant instant{run.input.q.row(row).transpose(),
+                       run.input.qd.row(row).transpose(),
+                       run.input.qdd.row(row).transpose(),
+                       {},
+                       run.input.snapshots,
+                       run.input.snapshots == nullptr ? 0 : run.input.snapshot_rows[i]};
+  if (!run.input.loads.empty()) instant.loads = run.input.loads[i];
+  for (const int c : columns) {
+    // What is solved for need not be known; a gap there is not the caller's mistake.
+    if (!std::isfinite(instant.q[c])) {
+      instant.q[c] = run.model.description().coordinates[static_cast<std::size_t>(c)].default_value;
+    }
+    if (!run.settings.keep_rates) instant.qd[c] = instant.qdd[c] = 0.0;
+  }
+  return instant;
+}
+
+// The last α in equilibrium, the newest first, of time frames that follow each other.
+class Past {
+ public:
+  explicit Past(int degree) : most_(static_cast<std::size_t>(degree) + 1) {}
+
+  void add(const Unknowns& alpha) {
+    alphas_.insert(alphas_.begin(), alpha);
+    if (alphas_.size() > most_) alphas_.pop_back();
+  }
+  // Of a polynomial through all of them, where there is more than one.
+  void add_starts(std::vector<Unknowns>& starts) const {
+    if (alphas_.size() == 2) starts.emplace_back(2.0 * alphas_[0] - alphas_[1]);
+    if (alphas_.size() == 3) starts.emplace_back(3.0 * (alphas_[0] - alphas_[1]) + alphas_[2]);
+    if (!alphas_.empty()) starts.push_back(alphas_[0]);
+  }
+  // After a time frame that did not converge the series is broken: its last remains.
+  void interrupt() {
+    if (alphas_.size() > 1) alphas_.resize(1);
+  }
+  bool empty() const { return alphas_.empty(); }
+
+ private:
+  std::size_t most_;
+  std::vector<Unknowns> alphas_;
+};
+
+void add_own_starts(const Run& run, MuscleEquilibrium& problem, const FrameInstant& instant,
+                    Eigen::Index row, bool first, std::vector<Unknowns>& starts) {
+  if (run.starts.rows() > 1 || (run.starts.rows() == 1 && first)) {
+    starts.emplace_back(run.starts.row(run.starts.rows() > 1 ? row : 0).transpose());
+  } else if (first) {
+    const Unknowns given = problem.unknowns(instant.q);
+    if (!problem.contacts().empty()) {
+      starts.push_back(seated_start(problem, instant, given, 0, run.settings.seating));
+    }
+    starts.push_back(given);
+  }
+}
+
+void simulate(const Run& run, Eigen::Index first, Eigen::Index end, TrialSimulation& out) {
+  MuscleEquilibrium problem(run.model, run.settings.muscles, run.contacts);
+  Past past(run.settings.extrapolation);
+  Anchor last;
+  for (Eigen::Index row = first; row < end; ++row) {
+    try {
+      FrameInstant instant = instant_of(run, problem.force_dependent(), row);
+      std::vector<Unknowns> starts;
+      past.add_starts(starts);
+      add_own_starts(run, problem, instant, row, past.empty(), starts);
+      ForceDependentRecord& record = out.records[static_cast<std::size_t>(row)];
+      record = solve_force_dependent(problem, instant, starts, past.empty() ? nullptr : &last,
+                                     run.settings.solver);
+      keep(problem, row, out);
+      if (record.converged()) {
+        past.add(record.alpha);
+        last = {std::move(instant), record.alpha};
+      } else {
+        past.interrupt();
+      }
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("time frame " + std::to_string(row) + ": " + error.what());
+    }
+  }
+}
+
+}  // namespace
+
+void require_valid(const TrialSimulationSettings& settings) {
+  require_valid(settings.solver);
+  const auto refuse = [](const char* setting, double value, const char* limit) {
+    std::ostringstream text;
+    text << "trial simulation settings: " << setting << " is " << value << ": must be " << limit;
+    throw std::invalid_argument(text.str());
+  };
+  if (settings.extrapolation < 0 || settings.extrapolation > 2) {
+    refuse("extrapolation", settings.extrapolation, "0, 1 or 2");
+  }
+  if (settings.chunk < 0) refuse("chunk", settings.chunk, "at least 0 time frames");
+  if (settings.threads < 0) refuse("threads", settings.threads, "at least 0");
+  if (!(settings.least_trust >= 0.0 && settings.least_trust <= 1.0)) {
+    refuse("least_trust", settings.least_trust, "within 0 and 1");
+  }
+}
+
+std::string summary(const TrialSimulation& simulation) {
+  std::ostringstream text;
+  const std::size_t count = simulation.records.size();
+  text << count - static_cast<std::size_t>(simulation.not_converged) << " of " << count
+       << " time frames converged";
+  if (simulation.implausible > 0)
+    text << ", " << simulation.implausible << " of them deeper than plausible";
+  if (simulation.untrusted > 0) {
+    text << "; in " << simulation.untrusted
+         << " a contact model does not trust itself (widen its sampled domains, or use the "
+            "reference or hybrid contact)";
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const ForceDependentRecord& record = simulation.records[i];
+    if (record.converged()) continue;
+    text << "; first not converged: time frame " << i << ": " << record.message;
+    break;
+  }
+  return text.str();
+}
+
+TrialSimulation simulate_trial(const model::Model& model, const TrialInput& input,
+                               std::span<const BodyContactDescription> contacts,
+                               const TimeFrames& starts, const TrialSimulationSettings& settings) {
+  require_fitting(model, input);
+  require_valid(settings);
+  const Run run{model, input, contacts, starts, settings};
+  TrialSimulation out = make_room(run);
+  const Eigen::Index frames = input.q.rows();
+  const Eigen::Index chunk =
+      settings.chunk == 0 ? frames : std::min<Eigen::Index>(settings.chunk, frames);
+  parallel_for(static_cast<std::size_t>((frames + chunk - 1) / chunk), settings.threads,
+               [&](std::size_t i) {
+                 const Eigen::Index first = static_cast<Eigen::Index>(i) * chunk;
+                 simulate(run, first, std::min(frames, first + chunk), out);
+               });
+  for (const ForceDependentRecord& record : out.records) {
+    out.not_converged += record.converged() ? 0 : 1;
+    out.implausible += record.status == ForceDependentStatus::kImplausibleDepth ? 1 : 0;
+    out.untrusted += record.least_trust < settings.least_trust ? 1 : 0;
+  }
+  return out;
+}
+
+}  // namespace condyle::fdk
