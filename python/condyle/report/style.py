@@ -22,6 +22,8 @@ DOMAIN_COLOURS: Final = {
     5: "#CC79A7",
     6: "#666666",
 }
+#: What was measured, as a shade behind what was computed.
+MEASURED_COLOUR: Final = "#BDBDBD"
 #: Of samples from elsewhere, which may know no domains.
 OTHER_COLOUR: Final = "#0072B2"
 #: Outcome of a candidate.

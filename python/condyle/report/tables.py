@@ -4,7 +4,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-from condyle.markdown import markdown_table, rounded
+from condyle.markdown import markdown_table
+from condyle.report.activity_errors import kinematics_markdown, loads_markdown
+from condyle.report.activity_times import phases_markdown, times_markdown
+from condyle.report.equilibrium_failures import failures_markdown
 from condyle.surrogate.paper_errors import errors_markdown
 
 Rows = list[dict[str, Any]]
@@ -78,41 +81,6 @@ def _sample_errors(rows: Rows) -> str:
     return "## Held-out samples: RMSE (maximum error), N and Nm\n\n" + errors_markdown(rows)
 
 
-def _activity_errors(title: str, rows: Rows) -> str:
-    body = [
-        [
-            row["activity"],
-            row.get("contact", "surrogate"),
-            row["quantity"],
-            row["unit"],
-            rounded(row["rmse"]),
-            rounded(row["max_error"]),
-            "–" if row["r2"] is None else f"{row['r2']:.4f}",
-        ]
-        for row in rows
-    ]
-    header = ["activity", "contact", "quantity", "unit", "RMSE", "maximum", "R²"]
-    return f"## {title}\n\n" + markdown_table(header, body)
-
-
-def _times(rows: Rows) -> str:
-    body = [
-        [
-            row["what"],
-            row.get("contact", "surrogate"),
-            rounded(row["reference_s"]),
-            rounded(row["surrogate_s"]),
-            rounded(row["reference_s"] / row["surrogate_s"]),
-            str(row.get("evaluations", "–")),
-            str(row.get("reference_evaluations", "–")),
-        ]
-        for row in rows
-    ]
-    header = ["what", "contact", "reference [s]", "with it [s]", "ratio"]
-    header += ["contact evaluations", "of them by the reference"]
-    return "## Wall times, one thread, this machine\n\n" + markdown_table(header, body)
-
-
 def _external_samples(table: dict[str, Any]) -> str:
     text = "## Samples from elsewhere\n\n"
     provenance = table["provenance"]
@@ -129,6 +97,29 @@ def _external_samples(table: dict[str, Any]) -> str:
         for row in table["domains"]
     ]
     return text + markdown_table(["domain", "train", "test"], body)
+
+
+def _activities(tables: dict[str, Any]) -> list[str]:
+    """What is known of the simulated activities; first of all what is not in equilibrium."""
+    parts = []
+    if tables.get("unconverged"):
+        parts.append(failures_markdown(tables["unconverged"]))
+    title = "## Simulated activities, against the reference contact"
+    if tables.get("simulation_loads"):
+        text = loads_markdown(tables["simulation_loads"])
+        parts.append(f"{title}: loads, as in the paper's Table 3\n\n{text}")
+    if tables.get("simulation_kinematics"):
+        text = kinematics_markdown(tables["simulation_kinematics"])
+        parts.append(f"{title}: kinematics, as in the paper's Table 4\n\n{text}")
+    if tables.get("times"):
+        title = "## Wall times, one thread, this machine"
+        if any(row.get("activity") is not None for row in tables["times"]):
+            title += ", as in the paper's Table 5"
+        parts.append(f"{title}\n\n{times_markdown(tables['times'])}")
+        phases = phases_markdown(tables["times"])
+        if phases:
+            parts.append(f"## Wall times by phase\n\n{phases}")
+    return parts
 
 
 def _figures(figures: Sequence[str]) -> str:
@@ -153,14 +144,7 @@ def render_tables(name: str, tables: dict[str, Any], figures: Sequence[str] = ()
         parts.append(_external_samples(tables["external_samples"]))
     if tables.get("sample_errors"):
         parts.append(_sample_errors(tables["sample_errors"]))
-    if tables.get("simulation_loads"):
-        title = "Simulated activities, against the reference contact: loads"
-        parts.append(_activity_errors(title, tables["simulation_loads"]))
-    if tables.get("simulation_kinematics"):
-        title = "Simulated activities, against the reference contact: kinematics"
-        parts.append(_activity_errors(title, tables["simulation_kinematics"]))
-    if tables.get("times"):
-        parts.append(_times(tables["times"]))
+    parts += _activities(tables)
     if figures:
         parts.append(_figures(figures))
     return "\n".join(parts)

@@ -50,7 +50,7 @@ def test_tables_show_every_row_and_round_for_reading():
     assert row + " 70.0 % | 6.2 |" in text
     assert "| sum | 8 | 2 | 27253 | 3416 |" in text
     assert "| all | lateral | here | 1234 (1234) |" in text
-    assert "| gait | surrogate | medial_Fy | N | 0.25 | 0.25 |" in text
+    assert "| gait | medial | surrogate | 0.25 (0.25) | 0.25 (0.25) |" in text
     assert "| gait | surrogate | 3 | 0.5 | 6 |" in text
 
 
