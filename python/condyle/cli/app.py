@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 import condyle
-from condyle.cli import contact, contact_map, implant, model, opensim, samples, stages, surrogate
+from condyle.cli import (
+    contact,
+    contact_map,
+    implant,
+    model,
+    opensim,
+    samples,
+    simulate,
+    stages,
+    surrogate,
+)
 from condyle.cli.console import errors
 from condyle.errors import CondyleError
 
@@ -28,6 +38,7 @@ app.add_typer(opensim.app, name="opensim")
 app.add_typer(samples.app, name="samples")
 app.add_typer(surrogate.app, name="surrogate")
 stages.add_to(app)
+simulate.add_to(app)
 
 
 def _print_version(wanted: bool) -> None:

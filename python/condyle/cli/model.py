@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import json as json_text
-import xml.etree.ElementTree as ElementTree
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from condyle.cli import trial_options
 from condyle.cli.console import console
 from condyle.cli.model_words import (
     say,
@@ -22,12 +22,7 @@ from condyle.cli.model_words import (
 from condyle.errors import InputDataError
 
 if TYPE_CHECKING:
-    from condyle.model import (
-        MuscleSettings,
-        MusculoskeletalModel,
-        Trial,
-        TrialAnalysis,
-    )
+    from condyle.model import MusculoskeletalModel, Trial, TrialAnalysis
 
 app = typer.Typer(
     help="Musculoskeletal models: check, analyse a motion, draw (docs/musculoskeletal.md).",
@@ -37,33 +32,6 @@ app = typer.Typer(
 ModelFile = Annotated[
     Path,
     typer.Argument(metavar="MODEL.json", help="Model file; `condyle opensim import` makes one."),
-]
-Loads = Annotated[
-    Path | None, typer.Option(help="OpenSim's external loads, .xml; its table is found beside it.")
-]
-Paths = Annotated[
-    Path | None, typer.Option(help="Path snapshots of the motion, of `condyle opensim paths`.")
-]
-Criterion = Annotated[
-    str, typer.Option(metavar="P|min_max", help="min Σ(f/N)^P, or the least largest activity.")
-]
-Strength = Annotated[
-    Literal["hill", "constant"],
-    typer.Option(help="N by length and velocity of the fibres, or the maximum isometric force."),
-]
-Reserve = Annotated[
-    float,
-    typer.Option(
-        metavar="NM", min=0.0, help="Reserve on every rotation that muscles balance; 0: none."
-    ),
-]
-NegligibleForce = Annotated[
-    float,
-    typer.Option(metavar="N", min=0.0, help="Loads up to this need no point of application."),
-]
-AnyRange = Annotated[
-    bool,
-    typer.Option("--any-range", help="Take coordinates far beyond their range as they are."),
 ]
 #: Exit code where an analysis is written, but time frames of it failed; a caller's mistake is 2.
 _NUMERICS_FAILED = 1
@@ -98,15 +66,15 @@ def analyse(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where results are written.")
     ],
-    loads: Loads = None,
-    paths: Paths = None,
-    start: Annotated[float | None, typer.Option("--from", help="First time, s.")] = None,
-    end: Annotated[float | None, typer.Option("--to", help="Last time, s.")] = None,
-    criterion: Criterion = "3",
-    strength: Strength = "hill",
-    reserve: Reserve = 0.0,
-    negligible_force: NegligibleForce = 0.0,
-    any_range: AnyRange = False,
+    loads: trial_options.Loads = None,
+    paths: trial_options.Paths = None,
+    start: trial_options.Start = None,
+    end: trial_options.End = None,
+    criterion: trial_options.Criterion = "3",
+    strength: trial_options.Strength = "hill",
+    reserve: trial_options.Reserve = 0.0,
+    negligible_force: trial_options.NegligibleForce = 0.0,
+    any_range: trial_options.AnyRange = False,
     threads: Annotated[int, typer.Option(min=0, help="Threads; 0 for all cores.")] = 0,
 ) -> None:
     """Inverse dynamics, paths, ligaments and muscle forces of a motion, as STO files and a summary.
@@ -115,18 +83,14 @@ def analyse(
     """
     from condyle.model import MusculoskeletalModel, analyse_trial, write_analysis
 
-    settings = _settings(criterion, strength, reserve)
+    settings = trial_options.muscle_settings(criterion, strength, reserve)
     read = MusculoskeletalModel.read(model)
-    trial = _read_trial(read, motion, loads, paths, start, end, negligible_force, any_range)
+    trial = trial_options.trial_of(
+        read, motion, loads, paths, start, end, negligible_force, any_range
+    )
     recruitment = _muscles_balance(read)
     found = analyse_trial(read, trial, settings, recruitment=recruitment, threads=threads)
-    inputs = {
-        "model": model,
-        "motion": motion,
-        "external_loads": loads,
-        "external_loads_table": None if loads is None else _table_of(loads),
-        "paths": paths,
-    }
+    inputs = trial_options.trial_inputs(model, motion, loads, paths)
     written = write_analysis(output, read, trial, found, settings, inputs)
     say(f"{output}: {', '.join(file.name for file in written)}")
     say(f"{len(trial)} time frames from {trial.times[0]:g} to {trial.times[-1]:g} s")
@@ -151,21 +115,14 @@ def picture(
     at: Annotated[
         float | None, typer.Option(metavar="T", help="Time, s; the nearest frame.")
     ] = None,
-    loads: Loads = None,
-    paths: Paths = None,
-    meshes: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="FOLDER|NAME=FILE|FILE.json",
-            help="Meshes of contact surfaces that are not beside the model; give several "
-            "(docs/musculoskeletal.md).",
-        ),
-    ] = None,
-    criterion: Criterion = "3",
-    strength: Strength = "hill",
-    reserve: Reserve = 0.0,
-    negligible_force: NegligibleForce = 0.0,
-    any_range: AnyRange = False,
+    loads: trial_options.Loads = None,
+    paths: trial_options.Paths = None,
+    meshes: trial_options.Meshes = None,
+    criterion: trial_options.Criterion = "3",
+    strength: trial_options.Strength = "hill",
+    reserve: trial_options.Reserve = 0.0,
+    negligible_force: trial_options.NegligibleForce = 0.0,
+    any_range: trial_options.AnyRange = False,
 ) -> None:
     """Draws bones, muscles by activity, ligaments by strain, contact surfaces and external forces."""
     from condyle.model import MusculoskeletalModel, analyse_trial, scene_at, surface_files
@@ -183,8 +140,10 @@ def picture(
         trial, title = _default_posture(read), f"{read.name}, default posture"
         analysis = analyse_trial(read, trial, recruitment=False, dynamics=False, threads=1)
     else:
-        settings = _settings(criterion, strength, reserve)
-        whole = _read_trial(read, motion, loads, paths, None, None, negligible_force, any_range)
+        settings = trial_options.muscle_settings(criterion, strength, reserve)
+        whole = trial_options.trial_of(
+            read, motion, loads, paths, None, None, negligible_force, any_range
+        )
         trial, title = whole.only(whole.nearest(at)), None
         analysis = analyse_trial(read, trial, settings, recruitment=_muscles_balance(read))
         tell_passed_by(analysis.wraps_ignored, given=paths is not None)
@@ -193,48 +152,9 @@ def picture(
     with house_style():
         save(model_figure(scene), output)
     say(str(output))
-    if missing := [name for name in read.core.contact_surface_names if name not in surfaces]:
+    drawn = {name for name, surface in surfaces.items() if surface.file is not None}
+    if missing := [name for name in read.core.contact_surface_names if name not in drawn]:
         say(f"not drawn, no mesh file (--meshes): {', '.join(missing)}")
-
-
-def _settings(
-    criterion: str, strength: Literal["hill", "constant"], reserve: float
-) -> MuscleSettings:
-    from condyle.model import MuscleSettings
-
-    if criterion == "min_max":
-        return MuscleSettings(criterion="min_max", strength=strength, reserve_moment=reserve)
-    try:
-        power = float(criterion)
-    except ValueError as error:
-        raise InputDataError(
-            f"--criterion {criterion}: must be a power, at least 1, or min_max"
-        ) from error
-    return MuscleSettings(criterion=power, strength=strength, reserve_moment=reserve)
-
-
-def _read_trial(
-    model: MusculoskeletalModel,
-    motion: Path,
-    loads: Path | None,
-    paths: Path | None,
-    start: float | None,
-    end: float | None,
-    negligible_force: float,
-    any_range: bool,
-) -> Trial:
-    from condyle.model import read_trial
-
-    return read_trial(
-        model,
-        motion,
-        external_loads=loads,
-        snapshots=paths,
-        start=start,
-        end=end,
-        negligible_force=negligible_force,
-        range_factor=float("inf") if any_range else 3.0,
-    )
 
 
 def _default_posture(model: MusculoskeletalModel) -> Trial:
@@ -247,9 +167,3 @@ def _default_posture(model: MusculoskeletalModel) -> Trial:
 
 def _muscles_balance(model: MusculoskeletalModel) -> bool:
     return bool(model.balanced_by_muscles) and bool(model.muscle_names)
-
-
-def _table_of(loads: Path) -> Path | None:
-    """The table of an external-loads file that has been read."""
-    named = ElementTree.parse(loads).findtext(".//datafile")
-    return None if named is None else loads.parent / named.strip()

@@ -26,12 +26,12 @@ Scheduler = Annotated[
     ),
 ]
 
-#: What each single-stage command does; earlier stages run first where they are not current.
+#: What each single-stage command does; earlier stages run first where they are not current. ``simulate`` is in
+#: simulate.py: it takes a model and a trial, too.
 _COMMANDS: Final = {
     "sample": "Samples the study's domains with the reference contact.",
     "train": "Trains the surrogate and writes surrogate.onnx.",
     "evaluate": "Compares the surrogate with held-out samples.",
-    "simulate": "Simulates the activities with the surrogate and compares with the reference.",
     "report": "Writes tables and figures.",
 }
 
@@ -79,9 +79,10 @@ class ScreenReporter:
         console.print(f"           {text} [dim]({seconds:.0f} s)[/dim]", highlight=False)
 
 
-def _run(
+def run_study(
     study_file: Path | None, until: str, runs: Path, threads: int, scheduler: str | None = None
 ) -> None:
+    """Runs a study's stages up to one; None: the demo's study."""
     from condyle.study import Study, StudyRun, read_study
 
     study = read_study(study_file) if study_file is not None else Study(name="demo")
@@ -93,7 +94,7 @@ def _run(
 
 def _stage_command(stage: str) -> Callable[[Path, Path, int], None]:
     def command(study: StudyFile, runs: Runs = Path("runs"), threads: Threads = 0) -> None:
-        _run(study, stage, runs, threads)
+        run_study(study, stage, runs, threads)
 
     return command
 
@@ -109,7 +110,7 @@ def add_to(app: typer.Typer) -> None:
         scheduler: Scheduler = None,
     ) -> None:
         """Runs a whole study: implant, reference simulation, samples, surrogate, errors, report."""
-        _run(study, "report", runs, threads, scheduler)
+        run_study(study, "report", runs, threads, scheduler)
 
     @app.command(help=_COMMANDS["sample"])
     def sample(
@@ -118,7 +119,7 @@ def add_to(app: typer.Typer) -> None:
         threads: Threads = 0,
         scheduler: Scheduler = None,
     ) -> None:
-        _run(study, "sample", runs, threads, scheduler)
+        run_study(study, "sample", runs, threads, scheduler)
 
     for stage, text in _COMMANDS.items():
         if stage == "sample":
@@ -128,5 +129,5 @@ def add_to(app: typer.Typer) -> None:
     @app.command()
     def demo(runs: Runs = Path("runs"), threads: Threads = 0) -> None:
         """Runs the whole path on the built-in implant, into runs/demo."""
-        _run(None, "report", runs, threads)
+        run_study(None, "report", runs, threads)
         typer.echo((runs / "demo" / "tables.md").read_text(encoding="utf-8"))

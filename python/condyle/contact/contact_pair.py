@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from condyle._core import contact as _contact
+from condyle._core.common import side_of_body as _side_of_body
 from condyle._core.geometry import Mesh
 from condyle.contact.laws import ContactLaw, LinearVolumeLaw
 from condyle.contact.layers import FaceLayers, layer_table
-from condyle.conventions import POSE_COLUMNS
+from condyle.conventions import POSE_COLUMNS, SideOfBody
 from condyle.errors import InputDataError
 
 EvaluationName = Literal["exact", "fast"]
@@ -146,3 +147,21 @@ class ContactPair:
             raise InputDataError(f"compartment {compartment!r}: must be one of {list(self.names)}")
         one = np.ascontiguousarray(pose, dtype=np.float64)
         return np.asarray(self._core.face_pressure(one, self.names.index(compartment))[1])
+
+    def as_contact_model(
+        self, side_of_body: SideOfBody, *, plausible_depth: float = 2e-3
+    ) -> _contact.ContactModel:
+        """This pair for whatever takes a contact model of a joint: a simulation's patellofemoral contact.
+
+        All compartments together are given as the medial side; the lateral one carries nothing.
+
+        Args:
+            side_of_body: of the joint.
+            plausible_depth: beyond which an overlap is flagged [m].
+
+        Raises:
+            ValueError: ``plausible_depth`` is not finite and above 0.
+        """
+        return _contact.PairContactModel(
+            self._core, _side_of_body(side_of_body), _contact.Side.medial, plausible_depth
+        )

@@ -21,7 +21,7 @@ from condyle.contact.mesh_contact import MeshContact
 from condyle.contact.mesh_files import MeshFile, Units, inspect_mesh
 from condyle.contact.mesh_refinement import mean_edge_length
 from condyle.conventions import SIDES, SideOfBody
-from condyle.fdk import first_touch, load_seated, seated_pose
+from condyle.fdk.seating import first_touch, load_seated, seated_pose
 
 Severity = Literal["error", "warning", "repaired"]
 Part = Literal["femur", "insert", "insert_medial", "insert_lateral", "mesh"]

@@ -12,15 +12,22 @@ muscles and ligaments.
 """
 
 from condyle.model.analysis_files import failed_frames, summarise_analysis, write_analysis
+from condyle.model.joint_surfaces import JointSurfaces, joint_surfaces
 from condyle.model.model_summary import ModelSummary, summarise
 from condyle.model.musculoskeletal_model import MusculoskeletalModel
 from condyle.model.scene import ModelScene, Polyline, Surface
 from condyle.model.scenes import scene_at
 from condyle.model.surface_files import SurfaceFile, surface_files
 from condyle.model.trial import Trial, make_trial, read_trial, with_snapshots
-from condyle.model.trial_analysis import MuscleSettings, TrialAnalysis, analyse_trial
+from condyle.model.trial_analysis import (
+    MuscleSettings,
+    TrialAnalysis,
+    analyse_trial,
+    wraps_passed_by,
+)
 
 __all__ = [
+    "JointSurfaces",
     "ModelScene",
     "ModelSummary",
     "MuscleSettings",
@@ -32,6 +39,7 @@ __all__ = [
     "TrialAnalysis",
     "analyse_trial",
     "failed_frames",
+    "joint_surfaces",
     "make_trial",
     "read_trial",
     "scene_at",
@@ -39,5 +47,6 @@ __all__ = [
     "summarise_analysis",
     "surface_files",
     "with_snapshots",
+    "wraps_passed_by",
     "write_analysis",
 ]

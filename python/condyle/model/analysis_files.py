@@ -106,6 +106,15 @@ def summarise_analysis(
     }
 
 
+def generalised_force_columns(model: MusculoskeletalModel) -> list[str]:
+    """The coordinates with OpenSim's endings: ``_moment`` [Nm] of rotations, ``_force`` [N] of translations."""
+    turning = model.core.coordinate_is_rotational
+    return [
+        name + ("_moment" if rotational else "_force")
+        for name, rotational in zip(model.coordinate_names, turning, strict=True)
+    ]
+
+
 def failed_frames(analysis: TrialAnalysis) -> list[int]:
     """Indices of the time frames whose recruitment did not converge."""
     return [i for i, status in enumerate(analysis.status) if status != "converged"]
@@ -114,11 +123,7 @@ def failed_frames(analysis: TrialAnalysis) -> list[int]:
 def _tables(
     model: MusculoskeletalModel, analysis: TrialAnalysis
 ) -> dict[str, tuple[Sequence[str], Array]]:
-    turning = model.core.coordinate_is_rotational
-    forces = [
-        name + ("_moment" if rotational else "_force")
-        for name, rotational in zip(model.coordinate_names, turning, strict=True)
-    ]
+    forces = generalised_force_columns(model)
     of = dict(zip(model.coordinate_names, forces, strict=True))
     tables: dict[str, tuple[Sequence[str], Array]] = {
         "generalised_forces": (forces, analysis.generalised_forces),

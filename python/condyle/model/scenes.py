@@ -152,6 +152,8 @@ def _surfaces(
     found = []
     names = list(model.core.contact_surface_names)
     for name, surface in files.items():
+        if surface.file is None:
+            continue
         mesh = read_mesh(surface.file, "m")
         if surface.body is None:
             placement = now.surface_placements[names.index(name)]

@@ -23,12 +23,12 @@ class SurfaceFile:
     """The mesh of a contact surface.
 
     Attributes:
-        file: STL, OBJ, PLY or OFF, in m.
+        file: STL, OBJ, PLY or OFF, in m; None: only where it would be is known (a surrogate needs no more).
         body: that the mesh's coordinates are fixed to by ``placement``; None: as the model places the surface.
         placement: (4, 4) the mesh's coordinates in the body's.
     """
 
-    file: Path
+    file: Path | None
     body: str | None = None
     placement: Array = field(default_factory=lambda: np.eye(4))
 
@@ -42,7 +42,8 @@ def surface_files(
         model: with contact surfaces.
         sources: Where to look, later ones first: a folder that holds the files that the model names; NAME=FILE
             for one surface, at the model's own placement; a JSON file with ``contact_surfaces`` as in a model
-            file, for meshes that are made about other axes than the model's. Last of all the model's own folder.
+            file, for meshes that are made about other axes than the model's; there ``mesh`` may be left out. Last
+            of all the model's own folder.
 
     Raises:
         InputDataError: a source that is none of these, a surface or body that the model lacks, by name.
@@ -80,8 +81,9 @@ def _read_mapping(model: MusculoskeletalModel, path: Path) -> dict[str, SurfaceF
             index_of(name, list(model.core.contact_surface_names), "contact surface", model.name)
             if frame["body"] != "ground":
                 model.body(frame["body"])
-            file = path.parent / surface["mesh"]
-            if not file.is_file():
+            mesh = surface.get("mesh")
+            file = None if mesh is None else path.parent / mesh
+            if file is not None and not file.is_file():
                 raise InputDataError(f"surface {name!r}: there is no {file}")
             found[name] = SurfaceFile(file, frame["body"], _placement(frame))
     except InputDataError as error:

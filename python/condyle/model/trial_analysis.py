@@ -189,11 +189,12 @@ def analyse_trial(
         status=tuple(found.status),
         messages=tuple(found.messages),
         kkt=np.asarray(found.kkt),
-        wraps_ignored=_ignored(model, trial),
+        wraps_ignored=wraps_passed_by(model, trial),
     )
 
 
-def _ignored(model: MusculoskeletalModel, trial: Trial) -> tuple[str, ...]:
+def wraps_passed_by(model: MusculoskeletalModel, trial: Trial) -> tuple[str, ...]:
+    """Wrapping surfaces that paths go straight past, in words: not computed, and not in the trial's snapshots."""
     held = set() if trial.snapshots is None else set(trial.snapshots.paths)
     return tuple(
         text

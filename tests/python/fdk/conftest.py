@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A right and a left knee of the parametric implant, meshed coarsely: the solver is under test, not the contact."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import pytest
 from condyle.contact import MeshContact
 from condyle.conventions import SideOfBody
 from condyle.implants import generate, preset, write_implant
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 def knee(folder: Path, side_of_body: SideOfBody) -> MeshContact:
