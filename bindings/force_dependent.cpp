@@ -99,6 +99,7 @@ void bind_record(nb::module_& m) {
       .def_ro("regularised_steps", &R::regularised_steps)
       .def_ro("substeps", &R::substeps)
       .def_ro("sharing_updates", &R::sharing_updates)
+      .def_ro("sharing_change", &R::sharing_change)
       .def_ro("sharing_settled", &R::sharing_settled)
       .def_ro("remaining_m", &R::remaining_m)
       .def_ro("remaining_rad", &R::remaining_rad)

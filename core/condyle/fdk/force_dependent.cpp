@@ -29,7 +29,11 @@ class Search {
     const auto began = Clock::now();
     problem_.reset_seconds();
     problem_.soften_contact(1.0);
-    if (settings_.max_sharing_updates == 0) problem_.uncouple_recruitment();
+    problem_.uncouple_recruitment();
+    if (settings_.max_sharing_updates > 0 && last != nullptr && last->coupling.size() > 0) {
+      problem_.use_coupling(last->coupling);
+    }
+    first_coupling_ = problem_.frame().used_coupling();
     const bool found = from_starts(goal, starts) || (last != nullptr && in_substeps(goal, *last)) ||
                        from_softer_contact(goal, starts);
     finish(goal, found);
@@ -43,40 +47,19 @@ class Search {
   }
 
  private:
+  // Newton's iteration from the problem's present C.
   NewtonResult newton(const FrameInstant& instant, const Unknowns& start) {
-    problem_.set_frame(instant.motion());
-    updates_ = 0;
-    settled_ = true;
-    if (settings_.max_sharing_updates == 0)
-      return count(numerics::solve_newton(problem_, start, settings_.newton));
-    couple(start);
-    NewtonResult result = count(numerics::solve_newton(problem_, start, settings_.newton));
-    while (result.converged() && updates_ < settings_.max_sharing_updates) {
-      const Eigen::MatrixXd before = problem_.frame().used_coupling();
-      if (!couple(result.alpha)) break;
-      ++updates_;
-      NewtonResult next = count(numerics::solve_newton(problem_, result.alpha, settings_.newton));
-      settled_ =
-          next.converged() && next.statistics.residual.front() <= settings_.sharing_tolerance;
-      if (!next.converged()) {
-        problem_.use_coupling(before);
-        break;
-      }
-      // The record's history is that of the longer way.
-      if (settled_) next.statistics.residual.swap(result.statistics.residual);
-      result = std::move(next);
-      if (settled_) break;
-    }
-    return result;
+    hold(instant);
+    problem_.follow_sharing(settings_.max_sharing_updates,
+                            settings_.sharing_tolerance * settings_.newton.force_tolerance,
+                            settings_.sharing_tolerance * settings_.newton.moment_tolerance);
+    return count(numerics::solve_newton(problem_, start, settings_.newton));
   }
 
-  // Takes C anew at a configuration.
-  bool couple(const Unknowns& alpha) {
-    Unknowns r(problem_.size());
-    numerics::Jacobian J(problem_.size(), problem_.size());
-    problem_.residual_and_jacobian(alpha, r, J);
-    ++record_.evaluations;
-    return problem_.couple_recruitment();
+  void hold(const FrameInstant& instant) {
+    if (held_ == &instant) return;
+    problem_.set_frame(instant.motion());
+    held_ = &instant;
   }
 
   NewtonResult count(NewtonResult result) {
@@ -99,8 +82,9 @@ class Search {
       record_.alpha = result.alpha;
       record_.worst_coordinate = result.worst_coordinate;
       record_.history = std::move(result.statistics.residual);
-      record_.sharing_updates = updates_;
-      record_.sharing_settled = settled_;
+      record_.sharing_updates = problem_.sharing_updates();
+      record_.sharing_change = settings_.sharing_tolerance * problem_.sharing_change();
+      record_.sharing_settled = record_.sharing_change <= settings_.sharing_tolerance;
       coupling_ = problem_.frame().used_coupling();
     }
     return result.converged();
@@ -108,12 +92,14 @@ class Search {
 
   bool from_starts(const FrameInstant& goal, std::span<const Unknowns> starts) {
     for (std::size_t i = 0; i < starts.size(); ++i) {
+      problem_.use_coupling(first_coupling_);
       if (attempt(goal, starts[i], Approach::kStart, static_cast<int>(i))) return true;
     }
     return false;
   }
 
   bool in_substeps(const FrameInstant& goal, const Anchor& last) {
+    problem_.use_coupling(first_coupling_);
     Unknowns here = last.alpha;
     double done = 0.0, step = 0.5;
     while (done < 1.0) {
@@ -121,10 +107,12 @@ class Search {
       bool found = false;
       if (t == 1.0) {
         found = attempt(goal, here, Approach::kSubsteps, 0);
-      } else if (const NewtonResult result = newton(between(last.instant, goal, t), here);
-                 result.converged()) {
-        here = result.alpha;
-        found = true;
+      } else {
+        const FrameInstant part = between(last.instant, goal, t);
+        const NewtonResult result = newton(part, here);
+        held_ = nullptr;
+        found = result.converged();
+        if (found) here = result.alpha;
       }
       if (found) {
         done = t;
@@ -140,6 +128,7 @@ class Search {
   bool from_softer_contact(const FrameInstant& goal, std::span<const Unknowns> starts) {
     if (settings_.softer_contact.empty()) return false;
     for (std::size_t i = 0; i < starts.size(); ++i) {
+      problem_.use_coupling(first_coupling_);
       Unknowns here = starts[i];
       for (const double share : settings_.softer_contact) {
         problem_.soften_contact(share);
@@ -153,7 +142,7 @@ class Search {
   }
 
   void finish(const FrameInstant& goal, bool found) {
-    problem_.set_frame(goal.motion());
+    hold(goal);
     problem_.use_coupling(coupling_);
     const int n = problem_.size();
     record_.residual.resize(n);
@@ -207,9 +196,9 @@ class Search {
   MuscleEquilibrium& problem_;
   const ForceDependentSettings& settings_;
   ForceDependentRecord record_;
-  Eigen::MatrixXd coupling_;  // of the attempt kept
-  int updates_ = 0;           // of the last attempt
-  bool settled_ = true;
+  const FrameInstant* held_ = nullptr;  // by the problem
+  Eigen::MatrixXd first_coupling_;      // C that attempts begin with
+  Eigen::MatrixXd coupling_;            // of the attempt kept
   bool kept_ = false;
   double kept_residual_ = 0.0;
 };

@@ -11,11 +11,11 @@
 // Where none does, the attempt with the smallest residual is kept, and reported as what it is.
 //
 // Recruitment takes into account how α gives under the muscles' pull (musculoskeletal_frame.hpp):
-// its coupling C is held in Newton's iteration, and taken anew where that ends, until that changes
-// the residual little (`sharing_tolerance`). Every such end is an equilibrium of all coordinates; C
-// touches only how muscles share. With `max_sharing_updates` = 0, C is 0: muscles share the
-// balanced coordinates' loads as if α were driven, which fails where they work through a floating
-// patella.
+// its coupling C is held while Newton's iteration looks for a step, and taken anew at every iterate
+// until that changes the residual little (`sharing_tolerance`); from there on it is held, and
+// convergence is quadratic. The end is an equilibrium of all coordinates whatever C is; C touches
+// only how muscles share. With `max_sharing_updates` = 0, C is 0: muscles share the balanced
+// coordinates' loads as if α were driven, which fails where they work through a floating patella.
 //
 // "In equilibrium" is: every |r_i| within its tolerance (forces and moments apart) AND recruitment
 // converged there. What the tolerances mean is in the record: `remaining`, the Newton step J⁻¹ r
@@ -36,9 +36,10 @@ namespace condyle::fdk {
 
 struct ForceDependentSettings {
   numerics::NewtonSettings newton;
-  int max_sharing_updates = 3;  ///< of C within a time frame; 0: C = 0
-  /// Largest |r_i|/tolerance_i that a new C causes where sharing has settled.
-  double sharing_tolerance = 100.0;
+  int max_sharing_updates = 60;  ///< of C in a Newton iteration; 0: C = 0
+  /// C is held where |r_i|, and what a new C changes of it, are within this many tolerances; within
+  /// twice as many after five more updates, and so on: where muscles hardly pull it may swing.
+  double sharing_tolerance = 10.0;
   int max_substeps = 16;  ///< smallest substep in time is 1/max_substeps; 1: none
   /// Shares, rising, each within (0, 1); empty: none.
   std::vector<double> softer_contact{0.01, 0.1};
@@ -78,6 +79,7 @@ FrameInstant between(const FrameInstant& a, const FrameInstant& b, double t);
 struct Anchor {
   FrameInstant instant;
   numerics::Unknowns alpha;
+  Eigen::MatrixXd coupling;  ///< C there, which the next time frame begins with; empty: 0
 };
 
 struct ForceDependentRecord {
@@ -95,7 +97,8 @@ struct ForceDependentRecord {
   int iterations = 0, evaluations = 0, regularised_steps = 0;  ///< of all attempts together
   int substeps = 0;                                            ///< solved in continuation
   int sharing_updates = 0;                                     ///< of C in the attempt kept
-  bool sharing_settled = true;  ///< false: the last C changed the residual beyond sharing_tolerance
+  double sharing_change = 0.0;  ///< max |r_i|/tolerance_i that the last C changed [-]
+  bool sharing_settled = true;  ///< within the settings' sharing_tolerance
   double remaining_m = 0.0, remaining_rad = 0.0;  ///< largest |J⁻¹ r|; NaN where J is singular
   double attainable_force = 0.0, attainable_moment = 0.0;  ///< [N, Nm]
   recruitment::RecruitmentStatus recruitment = recruitment::RecruitmentStatus::kConverged;

@@ -23,6 +23,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -83,16 +84,21 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
     alpha_.resize(0);
   }
 
-  /// Recruitment takes what α gives into account as it is at the last Jacobian's configuration
-  /// (MusculoskeletalFrame::set_coupling), until the next call. @returns false, and leaves it as it
-  /// was, where α's stiffness is singular or there is nothing to recruit.
-  bool couple_recruitment();
-  /// As it was. @param C as MusculoskeletalFrame::set_coupling.
+  /// How recruitment follows what α gives (MusculoskeletalFrame::set_coupling), from the next Newton
+  /// iteration on: C is taken anew at every iterate (in part where it swings), until that changes r by
+  /// no more than the tolerances where r is within them (near the end twice them after five more times, and so on),
+  /// or `most` times; then it is held. 0: as it is.
+  void follow_sharing(int most, double force_tolerance, double moment_tolerance);
+  int sharing_updates() const { return sharing_.updates; }
+  /// What the last new C would have changed of r, in the tolerances; 0 before the first.
+  double sharing_change() const { return sharing_.updates > 0 ? sharing_.change : 0.0; }
+  /// C as given. @param C as MusculoskeletalFrame::set_coupling.
   void use_coupling(const Eigen::MatrixXd& C) {
+    if (C == frame_.used_coupling()) return;
     frame_.set_coupling(C);
-    alpha_.resize(0);
+    shared_ = false;
   }
-  /// Not at all, as at the beginning.
+  /// C = 0, as at the beginning: α counts as driven.
   void uncouple_recruitment();
 
   int size() const override { return static_cast<int>(columns_.size()); }
@@ -101,6 +107,8 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
   void residual(const numerics::Unknowns& alpha, numerics::Unknowns& r) override;
   void residual_and_jacobian(const numerics::Unknowns& alpha, numerics::Unknowns& r,
                              numerics::Jacobian& J) override;
+  bool renew(const numerics::Unknowns& alpha, numerics::Unknowns& r,
+             numerics::Jacobian& J) override;
 
   // As last evaluated:
   /// The configuration's α; of size 0 before the first evaluation of a time frame.
@@ -120,8 +128,20 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
   void reset_seconds() { seconds_.fill(0.0); }
 
  private:
+  struct Sharing {
+    int most = 0, updates = 0, near = 0;
+    double force_tolerance = 1.0, moment_tolerance = 1.0;
+    double weight = 1.0;  // part of a new C that is taken
+    double change = std::numeric_limits<double>::infinity();  // of r by the last one, in full
+    bool held = false;
+  };
+
   void evaluate(const numerics::Unknowns& alpha, bool derivatives);
+  void share(bool derivatives);
+  bool take_coupling();
   void net_force(numerics::Unknowns& r) const;
+  void net_stiffness(numerics::Jacobian& J) const;
+  double in_tolerances(const numerics::Unknowns& r) const;
 
   const model::Model* model_;
   std::vector<int> columns_;
@@ -129,6 +149,9 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
   std::vector<BodyContact> contacts_;
   std::span<const model::ExternalLoad> loads_;
   double contact_share_ = 1.0;
+  Sharing sharing_;
+  // What holds of alpha_: evaluated with derivatives; forces shared with the C of now.
+  bool differentiated_ = false, shared_ = false;
   numerics::Unknowns alpha_;
   Eigen::VectorXd contact_tau_;
   Eigen::MatrixXd contact_stiffness_, derivative_;

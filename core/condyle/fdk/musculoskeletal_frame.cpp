@@ -119,6 +119,14 @@ MusculoskeletalFrame::MusculoskeletalFrame(const Model& model, const MuscleSetti
   force_rates_.setZero(m, c);
   load_rates_.setZero(c, k);
   arm_rates_.setZero(c * k, m);
+  arm_change_.setZero(k, c);
+  places_.resize(static_cast<std::size_t>(n));
+  for (int j = 0; j < static_cast<int>(k); ++j) {
+    places_[static_cast<std::size_t>(balanced_[static_cast<std::size_t>(j)])].balanced = j;
+  }
+  for (int j = 0; j < static_cast<int>(c); ++j) {
+    places_[static_cast<std::size_t>(columns_[static_cast<std::size_t>(j)])].column = j;
+  }
   strength_rates_.setZero(c, m);
   active_rates_.setZero(c, m);
   reserve_rates_.setZero(c, k);
@@ -149,6 +157,7 @@ void MusculoskeletalFrame::set_motion(const Eigen::Ref<const Eigen::VectorXd>& q
   qd_ = qd;
   qdd_ = qdd;
   all_paths_ = true;
+  warm_ = false;
 }
 
 void MusculoskeletalFrame::move_columns(const Eigen::Ref<const Eigen::VectorXd>& values) {
@@ -206,6 +215,7 @@ void MusculoskeletalFrame::compute_ligaments(bool derivatives) {
     return;
   }
   passive_rates_.setZero();
+  passive_differentiated_ = false;
   strands_.add_forces_and_stiffness(kinematics_, strand_loads_, ligament_tau_, passive_rates_);
   add_spring_force_derivative(kinematics_, columns_, passive_rates_);
 }
@@ -247,7 +257,10 @@ const recruitment::Recruitment& MusculoskeletalFrame::recruit(
                            ": no muscles, or no coordinate that muscles balance: nothing to recruit");
   }
   balance(others);
-  const recruitment::Recruitment& result = solver_->solve({arms_, loads_, strengths_, minima_});
+  const recruitment::RecruitmentFrame now{arms_, loads_, strengths_, minima_};
+  const recruitment::Recruitment& result =
+      warm_ ? solver_->solve(now, solver_->warm_start()) : solver_->solve(now);
+  warm_ = true;
   active_ = result.forces;
   finish();
   return result;
@@ -286,30 +299,31 @@ void MusculoskeletalFrame::differentiate_recruitment() {
     const model::MuscleStrength& now = muscles_[i].strength;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const auto column = static_cast<Eigen::Index>(c);
-      const auto hessian = hessians_[i].col(column);
       const int own = paths_[i].coordinate_index(columns_[c]);
       double rate = own < 0 ? 0.0 : now.strength_by_length * gradients_[i][own];
-      rate += now.strength_by_velocity * paths_[i].velocity(kinematics_, hessian);
+      rate += now.strength_by_velocity * paths_[i].velocity(kinematics_, hessians_[i].col(column));
       strength_rates_(column, m) = rate;
-      for (std::size_t j = 0; j < balanced_.size(); ++j) {
-        const auto b = static_cast<Eigen::Index>(j);
-        const int row = paths_[i].coordinate_index(balanced_[j]);
-        double change = row < 0 ? 0.0 : -hessian[row];
-        for (std::size_t a = 0; a < columns_.size(); ++a) {
-          const int other = paths_[i].coordinate_index(columns_[a]);
-          if (other >= 0) change -= coupling_(b, static_cast<Eigen::Index>(a)) * hessian[other];
-        }
-        arm_rates_(column * k + b, m) = change;
-      }
+    }
+    // −∂(R_b + C R_α)/∂q_c of this muscle: its Hessian's rows, each where its coordinate goes.
+    const auto coordinates = paths_[i].coordinates();
+    arm_change_.setZero();
+    for (std::size_t row = 0; row < coordinates.size(); ++row) {
+      const Place place = places_[static_cast<std::size_t>(coordinates[row])];
+      const auto hessian = hessians_[i].row(static_cast<Eigen::Index>(row));
+      if (place.balanced >= 0) arm_change_.row(place.balanced) += hessian;
+      if (place.column >= 0) arm_change_.noalias() += coupling_.col(place.column) * hessian;
+    }
+    for (Eigen::Index c = 0; c < arm_change_.cols(); ++c) {
+      arm_rates_.col(m).segment(c * k, k) = -arm_change_.col(c);
     }
   }
   solver_->forces_along(load_rates_, arm_rates_, strength_rates_, active_rates_, reserve_rates_);
   force_rates_ = active_rates_.transpose();
 }
 
-void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others,
-                                                  Eigen::Ref<Eigen::MatrixXd> derivative) {
-  other_rates_ = others;
+void MusculoskeletalFrame::differentiate_passive() {
+  if (passive_differentiated_) return;
+  passive_differentiated_ = true;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
     const model::MuscleStrength& now = muscles_[i].strength;
     if (!moves_[i] || (now.passive == 0.0 && now.passive_by_length == 0.0)) continue;
@@ -322,6 +336,12 @@ void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::
           (now.passive_by_length * gradients_[i][own]) * arms;
     }
   }
+}
+
+void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others,
+                                                  Eigen::Ref<Eigen::MatrixXd> derivative) {
+  differentiate_passive();
+  other_rates_ = others;
   derivative = dynamics_rates_ - passive_rates_ - other_rates_;
   force_rates_.setZero();
   if (solver_ && solver_->result().converged()) differentiate_recruitment();

@@ -118,7 +118,7 @@ class MusculoskeletalFrame {
   void leave_passive(const Eigen::Ref<const Eigen::VectorXd>& others);
   /// ∂residual/∂q_c of what was last recruited (n_coordinates, columns), overwritten.
   /// @param others the columns' ∂Q_c, likewise. @pre dynamics, muscles and ligaments with derivatives and recruit were
-  /// called with this configuration, and this was not called since.
+  /// called with this configuration. It may be called again after another recruit.
   void differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others, Eigen::Ref<Eigen::MatrixXd> derivative);
   /// ∂f/∂q_c of the active forces (muscles, columns) of the last differentiate_residual [N/rad, N/m].
   const Eigen::MatrixXd& force_derivative() const { return force_rates_; }
@@ -146,6 +146,7 @@ class MusculoskeletalFrame {
   void balance(const Eigen::Ref<const Eigen::VectorXd>& others);
   void finish();
   void add_tension_derivative(std::size_t muscle, double tension, Eigen::Ref<Eigen::MatrixXd> derivative) const;
+  void differentiate_passive();
   void differentiate_recruitment();
 
   const model::Model* model_;
@@ -165,15 +166,24 @@ class MusculoskeletalFrame {
   std::vector<Eigen::VectorXd> gradients_;
   std::vector<char> moves_;  // of each path: whether a column moves it
   bool all_paths_ = true;
+  // Recruitment begins from its last result where that is of this motion: what a time frame gives
+  // does not depend on the ones before.
+  bool warm_ = false;
+  bool passive_differentiated_ = false;  // whether passive_rates_ has the muscles' part yet
   Eigen::MatrixXd moment_arms_;
   Eigen::VectorXd ligament_tau_, spring_tau_, passive_, forces_, residual_;
   Eigen::VectorXd q_, qd_, qdd_, active_, no_others_;
   recruitment::RowMatrix arms_;
   Eigen::VectorXd loads_, strengths_, minima_;
   Eigen::MatrixXd coupling_;  // C (balanced, columns)
+  struct Place {
+    int balanced = -1, column = -1;
+  };
+  std::vector<Place> places_;  // of each coordinate among these
   // of derivatives
   std::vector<Eigen::MatrixXd> hessians_;
   Eigen::MatrixXd dynamics_rates_, passive_rates_, other_rates_, force_rates_;  // ∂τ, ∂Q_p, ∂Q_c, ∂f by columns
+  Eigen::MatrixXd arm_change_;  // of one muscle (balanced, columns)
   recruitment::RowMatrix load_rates_, arm_rates_, strength_rates_, active_rates_, reserve_rates_;
 };
 

@@ -223,7 +223,7 @@ void simulate(const Run& run, Eigen::Index first, Eigen::Index end, TrialSimulat
       keep(problem, row, out);
       if (record.converged()) {
         past.add(record.alpha);
-        last = {std::move(instant), record.alpha};
+        last = {std::move(instant), record.alpha, problem.frame().used_coupling()};
       } else {
         past.interrupt();
       }

@@ -40,6 +40,7 @@ class Iteration {
 
   NewtonResult run() {
     evaluate(alpha_, r_, J_);
+    renew();
     NewtonStatus status = NewtonStatus::kMaxIterations;
     for (;; ++statistics_.iterations) {
       statistics_.residual.push_back(largest(r_));
@@ -96,6 +97,12 @@ class Iteration {
     problem_.residual(alpha, r);
     statistics_.evaluations += 1;
     difference(alpha, J);
+  }
+
+  void renew() {
+    if (problem_.renew(alpha_, r_, J_) && settings_.jacobian != JacobianMethod::kAnalytic) {
+      difference(alpha_, J_);
+    }
   }
 
   // Central differences of the residual.
@@ -191,6 +198,7 @@ class Iteration {
     J_ = trial_J_;
     statistics_.step.push_back(length(step));
     statistics_.regularised_steps += regularised ? 1 : 0;
+    renew();
     return true;
   }
 

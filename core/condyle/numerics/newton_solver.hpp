@@ -48,6 +48,10 @@ class EquilibriumProblem {
   virtual void residual(const Unknowns& alpha, Unknowns& r) = 0;
   /// r(α) and J[i][j] = ∂r_i/∂α_j in one pass, since a contact model gives both at once.
   virtual void residual_and_jacobian(const Unknowns& alpha, Unknowns& r, Jacobian& J) = 0;
+  /// Called wherever an iterate has been accepted, the start included. A problem that holds
+  /// something fixed while the solver looks for a step may take it anew here; r and J, given as they
+  /// were, are then to be what they are with it. @returns whether anything has changed.
+  virtual bool renew(const Unknowns& /*alpha*/, Unknowns& /*r*/, Jacobian& /*J*/) { return false; }
 };
 
 enum class JacobianMethod { kAnalytic, kFiniteDifferences };

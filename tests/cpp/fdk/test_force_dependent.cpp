@@ -32,6 +32,14 @@ Unknowns alpha_of(double adduction, double rotation, double tx, double ty, doubl
 
 TEST_CASE("the same equilibrium from five starts, within tolerance when computed anew") {
   Leg leg;
+  ForceDependentSettings settings;
+  double apart_at_most = 0.0;
+  SUBCASE("muscles share as if α were driven: one equilibrium") {
+    settings.max_sharing_updates = 0;
+    apart_at_most = 1e-5;
+  }
+  // C has settled within 0.1 N and 5 mNm: over the softest stiffness (100 Nm/rad about y), 5e-5 rad.
+  SUBCASE("muscles share with what α gives") { apart_at_most = 1e-4; }
   const std::vector<Unknowns> starts{
       alpha_of(0, 0, 0, 0, 0), alpha_of(0.03, -0.05, 0.004, 0.001, 0.003),
       alpha_of(-0.02, 0.06, -0.005, -0.006, -0.002),  // out of contact
@@ -41,7 +49,7 @@ TEST_CASE("the same equilibrium from five starts, within tolerance when computed
   for (std::size_t i = 0; i < starts.size(); ++i) {
     CAPTURE(i);
     const ForceDependentRecord record =
-        solve_force_dependent(leg.problem, leg.instant, {&starts[i], 1});
+        solve_force_dependent(leg.problem, leg.instant, {&starts[i], 1}, nullptr, settings);
     INFO(record.message);
     REQUIRE(record.status == ForceDependentStatus::kConverged);
     Unknowns r(5);
@@ -60,7 +68,7 @@ TEST_CASE("the same equilibrium from five starts, within tolerance when computed
     // Both are within their own last Newton step of the equilibrium, which is quadratically less
     // than `remaining`; the residuals' tolerance bounds these.
     const Unknowns apart = (record.alpha - first).cwiseAbs();
-    CHECK(apart.maxCoeff() < 1e-5);
+    CHECK(apart.maxCoeff() < apart_at_most);
     CHECK(record.remaining_m < 1e-5);
   }
 }
@@ -123,7 +131,7 @@ TEST_CASE("muscles that pull on a floating patella are recruited through what it
   const ForceDependentRecord record = solve_force_dependent(problem, instant, {&start, 1});
   INFO(record.message);
   REQUIRE(record.status == ForceDependentStatus::kConverged);
-  CHECK(record.sharing_settled);
+  CHECK(record.sharing_change <= settings.sharing_tolerance);
   CHECK(problem.frame().muscle_forces().head<2>().minCoeff() > 100.0);
   // Flexion is in equilibrium because α is: C passes on no more than α's tolerances.
   CHECK(std::abs(problem.frame().residual()[test::kFlexion]) < 0.01);
@@ -156,7 +164,7 @@ TEST_CASE(
   const Unknowns start = Unknowns::Zero(5);
   const ForceDependentRecord first = solve_force_dependent(leg.problem, leg.instant, {&start, 1});
   REQUIRE(first.converged());
-  const Anchor anchor{leg.instant, first.alpha};
+  const Anchor anchor{leg.instant, first.alpha, {}};
   const FrameInstant far = test::leg_instant(leg.model, 0.9, 1100.0);
   ForceDependentSettings settings;
   settings.newton.max_iterations = 4;
@@ -176,7 +184,7 @@ TEST_CASE(
   CHECK(stepped.substeps > 1);
   const ForceDependentRecord straight = solve_force_dependent(leg.problem, far, {&start, 1});
   REQUIRE(straight.converged());
-  CHECK((stepped.alpha - straight.alpha).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK((stepped.alpha - straight.alpha).cwiseAbs().maxCoeff() < 1e-4);  // as C has settled
 }
 
 TEST_CASE("between two time frames loads act as their mixed wrenches") {

@@ -74,9 +74,12 @@ TEST_CASE(
   numerics::Jacobian J(5, 5);
   problem.residual_and_jacobian(general_alpha(), r, J);
   if (coupled) {
-    REQUIRE(problem.couple_recruitment());
+    problem.follow_sharing(1, 1.0, 0.05);
+    const numerics::Unknowns before = r;
+    REQUIRE(problem.renew(general_alpha(), r, J));
     REQUIRE(problem.frame().used_coupling().cwiseAbs().maxCoeff() > 1e-3);
-    problem.residual_and_jacobian(general_alpha(), r, J);
+    REQUIRE((r - before).cwiseAbs().maxCoeff() > 1.0);
+    CHECK_FALSE(problem.renew(general_alpha(), r, J));  // once, as was asked for
   }
   // It is a pose in which everything acts.
   REQUIRE(problem.recruited()->converged());
@@ -129,6 +132,37 @@ TEST_CASE("the residual is what public functions of model, recruitment and conta
                       .scale(100.0));
   }
   CHECK(std::abs(net[test::kFlexion]) < 1e-6);  // muscles balance it
+}
+
+TEST_CASE("what was evaluated is not evaluated again, and recruitment alone where only C is new") {
+  const model::Model model(test::leg_model_description());
+  const test::AnalyticContact knee;
+  const BodyContactDescription contact = test::leg_contact(knee);
+  MuscleEquilibrium problem(model, {}, {&contact, 1});
+  const FrameInstant instant = test::leg_instant(model, 0.42, 650.0, 0.05);
+  problem.set_frame(instant.motion());
+  numerics::Unknowns r(5), again(5);
+  numerics::Jacobian J(5, 5), J_again(5, 5);
+  problem.residual_and_jacobian(general_alpha(), r, J);
+  problem.follow_sharing(1, 1.0, 0.05);
+  REQUIRE(problem.renew(general_alpha(), r, J));
+  const double contact_seconds = problem.seconds()[static_cast<std::size_t>(Phase::kContact)];
+  problem.residual_and_jacobian(general_alpha(), again, J_again);
+  CHECK(problem.seconds()[static_cast<std::size_t>(Phase::kContact)] == contact_seconds);
+  CHECK(again == r);
+  CHECK(J_again == J);
+  // The same from nothing, with that C.
+  const Eigen::MatrixXd C = problem.frame().used_coupling();
+  MuscleEquilibrium fresh(model, {}, {&contact, 1});
+  fresh.set_frame(instant.motion());
+  fresh.use_coupling(C);
+  fresh.residual_and_jacobian(general_alpha(), again, J_again);
+  CHECK((again - r).norm() <= 1e-9 * r.norm());
+  CHECK((J_again - J).norm() <= 1e-9 * J.norm());
+  // A softer contact, another time frame and another α are.
+  problem.soften_contact(0.5);
+  problem.residual_and_jacobian(general_alpha(), again, J_again);
+  CHECK((again - r).norm() > 1.0);
 }
 
 TEST_CASE("a load that muscles cannot carry is named, and the residual stays finite") {

@@ -94,7 +94,7 @@ TEST_CASE("chunks: the same bytes for any number of threads, the same equilibria
   CHECK(one.alpha == three.alpha);
   CHECK(one.contact_wrenches == three.contact_wrenches);
   CHECK(one.muscle_forces == three.muscle_forces);
-  CHECK((one.alpha - serial.alpha).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK((one.alpha - serial.alpha).cwiseAbs().maxCoeff() < 1e-4);  // as C has settled
 }
 
 TEST_CASE("rates of α: taken as zero, or kept") {

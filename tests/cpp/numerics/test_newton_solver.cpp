@@ -183,6 +183,51 @@ TEST_CASE("not finite: a residual of NaN is a status, not a loop [error]") {
   CHECK(result.status == NewtonStatus::kNotFinite);
 }
 
+namespace {
+
+// A spring whose rest follows where it stands, but is held while a step is looked for.
+class Following : public EquilibriumProblem {
+ public:
+  int size() const override { return 1; }
+  LoadKind load_kind(int) const override { return LoadKind::kForce; }
+  std::string_view coordinate_name(int) const override { return "y"; }
+  void residual(const Unknowns& a, Unknowns& r) override { r[0] = -310.0 * (a[0] - held_); }
+  void residual_and_jacobian(const Unknowns& a, Unknowns& r, Jacobian& J) override {
+    residual(a, r);
+    J(0, 0) = -310.0;
+  }
+  bool renew(const Unknowns& a, Unknowns& r, Jacobian& J) override {
+    ++renewals;
+    at.push_back(a[0]);
+    held_ = 0.0013 + 0.2 * a[0];
+    residual_and_jacobian(a, r, J);
+    return true;
+  }
+  int renewals = 0;
+  std::vector<double> at;
+
+ private:
+  double held_ = 0.0;
+};
+
+}  // namespace
+
+TEST_CASE("what a problem holds during a step is taken anew at every iterate [property]") {
+  for (const auto method : {JacobianMethod::kAnalytic, JacobianMethod::kFiniteDifferences}) {
+    Following problem;
+    NewtonSettings settings;
+    settings.jacobian = method;
+    settings.force_tolerance = 1e-6;
+    const NewtonResult result = solve_newton(problem, values({0.0007}), settings);
+    REQUIRE(result.converged());
+    // a = 0.0013 + 0.2 a, reached by the factor 0.2 a step, the start included.
+    CHECK(std::abs(result.alpha[0] - 0.0013 / 0.8) < 1e-6 / (0.8 * 310.0) * 1.01);
+    CHECK(problem.renewals == result.statistics.iterations + 1);
+    CHECK(problem.at.front() == 0.0007);
+    CHECK(problem.at.back() == result.alpha[0]);
+  }
+}
+
 TEST_CASE("an iteration allocates nothing on the heap [property]") {
   Given problem(1, floor_residual, floor_jacobian);
   NewtonSettings settings;
