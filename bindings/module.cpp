@@ -21,6 +21,7 @@ void bind_model(nb::module_& m);
 void bind_trial_analysis(nb::module_& m);
 void bind_force_dependent(nb::module_& m);
 void bind_model_files(nb::module_& m);
+void bind_trial_files(nb::module_& m);
 }  // namespace condyle::bindings
 
 NB_MODULE(_core, m) {
@@ -54,4 +55,5 @@ NB_MODULE(_core, m) {
   bind_trial_analysis(fdk);
   bind_force_dependent(fdk);
   bind_model_files(io);
+  bind_trial_files(io);
 }

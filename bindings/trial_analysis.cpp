@@ -3,12 +3,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "condyle/fdk/trial_analysis.hpp"
-#include "condyle/io/external_loads.hpp"
 #include "trial_tables.hpp"
 
 namespace condyle::bindings {
@@ -23,32 +21,6 @@ TrialAnalysis analyse(const model::Model& model, const TableIn& q, const TableIn
   nb::gil_scoped_release release;
   return analyse_trial(model, {table(q), table(qd), table(qdd), external_loads(loads, bodies), snapshots, snapshot_rows}, settings,
                        parts, threads);
-}
-
-/// Bodies of the loads, and (T, loads, 9) force, point and moment in ground.
-nb::tuple loads_in_ground(const io::ExternalLoads& loads, const model::Model& model, const VectorIn& times,
-                          const TableIn& q) {
-  if (q.shape(0) != times.shape(0)) {
-    throw std::invalid_argument("external loads: " + std::to_string(q.shape(0)) + " rows of q for " +
-                                std::to_string(times.shape(0)) + " times");
-  }
-  const TimeFrames positions = table(q);
-  model::Kinematics kinematics(model);
-  std::vector<int> bodies;
-  std::vector<double> values;
-  for (std::size_t i = 0; i < times.shape(0); ++i) {
-    kinematics.set(positions.row(static_cast<Eigen::Index>(i)).transpose());
-    const auto now = loads.in_ground(times(i), kinematics);
-    bodies.clear();
-    for (const model::ExternalLoad& load : now) {
-      bodies.push_back(load.body);
-      for (const Vector3* v : {&load.force_G, &load.point_G, &load.moment_G}) {
-        values.insert(values.end(), v->data(), v->data() + 3);
-      }
-    }
-  }
-  const std::size_t count = bodies.size();
-  return nb::make_tuple(bodies, to_numpy(std::move(values), {times.shape(0), count, 9}));
 }
 
 void bind_settings(nb::module_& m) {
@@ -109,8 +81,6 @@ void bind_trial_analysis(nb::module_& m) {
   m.def("analyse_trial", &analyse, nb::arg("model"), nb::arg("q"), nb::arg("qd"), nb::arg("qdd"), nb::arg("loads"),
         nb::arg("load_bodies"), nb::arg("snapshots").none(), nb::arg("snapshot_rows"), nb::arg("settings"), nb::arg("parts"),
         nb::arg("threads"));
-  m.def("loads_in_ground", &loads_in_ground, nb::arg("loads"), nb::arg("model"), nb::arg("times"), nb::arg("q"),
-        "Body indices of the loads, and (T, loads, 9): force, point, moment in ground.");
   m.def("balanced_coordinates", [](const model::Model& model) {
     const fdk::MusculoskeletalFrame frame(model, {});
     return std::vector<int>(frame.balanced().begin(), frame.balanced().end());

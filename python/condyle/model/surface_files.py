@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from condyle._core.io import read_surface_file
 from condyle.errors import InputDataError
 from condyle.model.musculoskeletal_model import MusculoskeletalModel, index_of
 
@@ -72,41 +71,8 @@ def surface_files(
 
 
 def _read_mapping(model: MusculoskeletalModel, path: Path) -> dict[str, SurfaceFile]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        surfaces = content["contact_surfaces"]
-        found = {}
-        for surface in surfaces:
-            name, frame = surface["name"], surface["frame"]
-            index_of(name, list(model.core.contact_surface_names), "contact surface", model.name)
-            if frame["body"] != "ground":
-                model.body(frame["body"])
-            mesh = surface.get("mesh")
-            file = None if mesh is None else path.parent / mesh
-            if file is not None and not file.is_file():
-                raise InputDataError(f"surface {name!r}: there is no {file}")
-            found[name] = SurfaceFile(file, frame["body"], _placement(frame))
-    except InputDataError as error:
-        raise InputDataError(f"{path}: {error}") from error
-    except KeyError as error:
-        raise InputDataError(
-            f"{path}: no {error}; contact_surfaces is a list of name, mesh and frame (body, translation, "
-            "orientation_xyz), as in a model file"
-        ) from error
-    except (TypeError, ValueError) as error:
-        raise InputDataError(f"{path}: not a file of contact surfaces: {error}") from error
+    found = {}
+    for surface in read_surface_file(path, model.core):
+        file = None if surface.mesh == Path() else Path(surface.mesh)
+        found[surface.name] = SurfaceFile(file, surface.body, surface.X_BS)
     return found
-
-
-def _placement(frame: dict[str, Any]) -> Array:
-    """R = Rx·Ry·Rz, as frames of a model file."""
-    X = np.eye(4)
-    for axis, angle in enumerate(np.asarray(frame.get("orientation_xyz", [0, 0, 0]), dtype=float)):
-        cosine, sine = np.cos(angle), np.sin(angle)
-        one = np.eye(3)
-        j, k = (axis + 1) % 3, (axis + 2) % 3
-        one[j, j] = one[k, k] = cosine
-        one[j, k], one[k, j] = -sine, sine
-        X[:3, :3] = X[:3, :3] @ one
-    X[:3, 3] = np.asarray(frame.get("translation", [0, 0, 0]), dtype=float)
-    return X
