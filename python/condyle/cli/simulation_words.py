@@ -19,30 +19,33 @@ if TYPE_CHECKING:
         TrialSimulation,
         TrialSimulationSettings,
     )
-    from condyle.model import MuscleSettings
+    from condyle.model import MuscleSettings, Trial
 
 #: Time frames of one kind of trouble that the screen shows; files have them all.
 _SHOWN = 8
 
 
-def tell_result(
-    folder: Path,
-    written: Sequence[Path],
-    simulation: TrialSimulation,
-    contacts: Sequence[JointContact],
-) -> None:
-    """Where results are, what was solved with what, how many time frames converged."""
-    say(f"{folder}: {', '.join(file.name for file in written)}")
+def tell_start(trial: Trial, unknowns: int, contacts: Sequence[JointContact]) -> None:
+    """What is about to be solved, with what: `exact` may take minutes."""
     models = ", ".join(f"{contact.contact.name} {contact.kind}" for contact in contacts)
-    times = simulation.times
+    times = trial.times
     say(
-        f"{len(times)} time frames from {times[0]:g} to {times[-1]:g} s; "
-        f"{len(simulation.force_dependent)} force-dependent coordinates; contact: {models}"
+        f"{_counted(len(times))} from {times[0]:g} to {times[-1]:g} s; {unknowns} force-dependent coordinates; "
+        f"contact: {models}"
     )
-    say(simulation.summary.partition(";")[0])
     for contact in contacts:
         if error := contact.identity.get("reference", {}).get("error_against_exact"):
             say(f"{contact.contact.name} {error}")
+
+
+def tell_result(folder: Path, written: Sequence[Path], simulation: TrialSimulation) -> None:
+    """How many time frames converged, and where results are."""
+    say(simulation.summary.partition(";")[0])
+    say(f"{folder}: {', '.join(file.name for file in written)}")
+
+
+def _counted(frames: int) -> str:
+    return f"{frames} time frame" + ("s" if frames != 1 else "")
 
 
 def tell_peaks(
@@ -163,8 +166,8 @@ def _tell_not_solved(simulation: TrialSimulation) -> None:
     if simulation.converged:
         return
     warn(
-        f"{simulation.not_converged} of {len(simulation.times)} time frames are not in equilibrium; their results "
-        "are the best that was found:"
+        f"not in equilibrium: {simulation.not_converged} of {_counted(len(simulation.times))}; the best that was "
+        "found is written:"
     )
     kinds: dict[str, list[str]] = {}
     for time, record in zip(simulation.times, simulation.records, strict=True):
@@ -183,4 +186,4 @@ def _tell(times: Sequence[float], what: str) -> None:
     if times:
         shown = ", ".join(f"{t:g}" for t in times[:_SHOWN])
         more = f" and {len(times) - _SHOWN} more" if len(times) > _SHOWN else ""
-        warn(f"{len(times)} time frames: {what}: {shown}{more} s")
+        warn(f"{_counted(len(times))}: {what}: {shown}{more} s")

@@ -88,6 +88,7 @@ def run_trial(
     began = time.perf_counter()
     contacts = _contacts(files, wanted, surfaces, joint)
     prepared = time.perf_counter()
+    simulation_words.tell_start(trial, len(model.force_dependent), contacts)
     simulation = simulate_trial(
         model, trial, [contact.contact for contact in contacts], muscles, settings
     )
@@ -104,7 +105,7 @@ def run_trial(
         output, model, trial, simulation, contacts, muscles, settings, inputs, pressures
     )
     scaled = scaled_residuals(model, simulation, settings)
-    simulation_words.tell_result(output, written, simulation, contacts)
+    simulation_words.tell_result(output, written, simulation)
     simulation_words.tell_peaks(simulation, contacts, pressures)
     simulation_words.tell_quality(simulation, settings, muscles, scaled, contacts)
     spent = simulation_words.tell_time(
