@@ -247,6 +247,8 @@ std::string_view name(Approach approach) {
       return "substeps";
     case Approach::kSofterContact:
       return "softer_contact";
+    case Approach::kFromOtherSide:
+      return "from_other_side";
   }
   return "unknown";
 }

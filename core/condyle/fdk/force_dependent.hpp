@@ -58,8 +58,8 @@ std::string_view name(ForceDependentStatus status);
 /// One sentence: what happened, and what the user can do next.
 std::string_view advice(ForceDependentStatus status);
 
-/// Which way led to the result.
-enum class Approach : int { kStart, kSubsteps, kSofterContact };
+/// Which way led to the result; the last one is a trial's (trial_simulation.hpp).
+enum class Approach : int { kStart, kSubsteps, kSofterContact, kFromOtherSide };
 std::string_view name(Approach approach);
 
 /// A time frame with everything that is known of it.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "condyle/common/parallel.hpp"
 
@@ -207,31 +208,136 @@ void add_own_starts(const Run& run, MuscleEquilibrium& problem, const FrameInsta
   }
 }
 
-void simulate(const Run& run, Eigen::Index first, Eigen::Index end, TrialSimulation& out) {
-  MuscleEquilibrium problem(run.model, run.settings.muscles, run.contacts);
-  Past past(run.settings.extrapolation);
-  Anchor last;
-  for (Eigen::Index row = first; row < end; ++row) {
-    try {
-      FrameInstant instant = instant_of(run, problem.force_dependent(), row);
-      std::vector<Unknowns> starts;
-      past.add_starts(starts);
-      add_own_starts(run, problem, instant, row, past.empty(), starts);
-      ForceDependentRecord& record = out.records[static_cast<std::size_t>(row)];
-      record = solve_force_dependent(problem, instant, starts, past.empty() ? nullptr : &last,
-                                     run.settings.solver);
-      keep(problem, row, out);
-      if (record.converged()) {
-        past.add(record.alpha);
-        last = {std::move(instant), record.alpha, problem.frame().used_coupling()};
-      } else {
-        past.interrupt();
+// One run of time frames [first, end), on one thread.
+class Chunk {
+ public:
+  Chunk(const Run& run, Eigen::Index first, Eigen::Index end, TrialSimulation& out)
+      : run_(run),
+        first_(first),
+        end_(end),
+        out_(out),
+        problem_(run.model, run.settings.muscles, run.contacts) {}
+
+  void simulate() {
+    const Eigen::Index entry = enter();
+    if (entry < 0) return;
+    Way forward = way_from(entry, run_.settings.extrapolation);
+    Way backward = forward;
+    walk(entry + 1, end_, 1, forward);
+    walk(entry - 1, first_ - 1, -1, backward);
+    retry();
+  }
+
+ private:
+  // What a time frame starts from: those solved before it, in the direction of the walk.
+  struct Way {
+    explicit Way(int degree) : past(degree) {}
+    Past past;
+    Anchor last;
+  };
+
+  ForceDependentRecord& record(Eigen::Index row) {
+    return out_.records[static_cast<std::size_t>(row)];
+  }
+  FrameInstant instant(Eigen::Index row) const {
+    return instant_of(run_, problem_.force_dependent(), row);
+  }
+
+  // A time frame in equilibrium found from nothing, or −1. A start from nothing may be out of reach at
+  // one time frame and easy at another: a few are tried, the first, the middle one, quarters, eighths,
+  // by Newton alone and then over a softer contact; last of all every one by Newton.
+  Eigen::Index enter() {
+    ForceDependentSettings settings = run_.settings.solver;
+    const std::vector<double> softer = std::exchange(settings.softer_contact, {});
+    for (const bool soft : {false, true}) {
+      if (soft) settings.softer_contact = softer;
+      Eigen::Index before = -1;
+      for (const int eighth : {0, 4, 2, 6, 1, 3, 5, 7}) {
+        const Eigen::Index row = first_ + (end_ - first_) * eighth / 8;
+        if (row != before && from_nothing(row, settings)) return row;
+        before = row;
       }
+    }
+    settings.softer_contact.clear();
+    for (Eigen::Index row = first_; row < end_; ++row) {
+      if (from_nothing(row, settings)) return row;
+    }
+    return -1;
+  }
+
+  bool from_nothing(Eigen::Index row, const ForceDependentSettings& settings) {
+    Way way(0);
+    return solve(row, way, settings);
+  }
+
+  Way way_from(Eigen::Index row, int degree) {
+    Way way(degree);
+    way.past.add(record(row).alpha);
+    way.last = {instant(row), record(row).alpha, {}};
+    return way;
+  }
+
+  void walk(Eigen::Index from, Eigen::Index to, Eigen::Index step, Way& way) {
+    for (Eigen::Index row = from; row != to; row += step) solve(row, way, run_.settings.solver);
+  }
+
+  bool solve(Eigen::Index row, Way& way, const ForceDependentSettings& settings) {
+    try {
+      FrameInstant now = instant(row);
+      std::vector<Unknowns> starts;
+      way.past.add_starts(starts);
+      add_own_starts(run_, problem_, now, row, way.past.empty(), starts);
+      ForceDependentRecord found = solve_force_dependent(
+          problem_, now, starts, way.past.empty() ? nullptr : &way.last, settings);
+      add_cost(record(row), found);
+      record(row) = std::move(found);
+      keep(problem_, row, out_);
+      if (!record(row).converged()) {
+        way.past.interrupt();
+        return false;
+      }
+      way.past.add(record(row).alpha);
+      way.last = {std::move(now), record(row).alpha, problem_.frame().used_coupling()};
+      return true;
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("time frame " + std::to_string(row) + ": " + error.what());
     }
   }
-}
+
+  // What is still not in equilibrium, from the other side.
+  void retry() {
+    for (Eigen::Index row = end_ - 2; row >= first_; --row) try_from(row, row + 1);
+    for (Eigen::Index row = first_ + 1; row < end_; ++row) try_from(row, row - 1);
+  }
+
+  void try_from(Eigen::Index row, Eigen::Index neighbour) {
+    if (record(row).converged() || !record(neighbour).converged()) return;
+    const Way way = way_from(neighbour, 0);
+    const FrameInstant now = instant(row);
+    ForceDependentRecord found = solve_force_dependent(problem_, now, {&way.last.alpha, 1},
+                                                       &way.last, run_.settings.solver);
+    if (!found.converged()) {
+      add_cost(found, record(row));
+      return;
+    }
+    add_cost(record(row), found);
+    found.approach = Approach::kFromOtherSide;
+    record(row) = std::move(found);
+    keep(problem_, row, out_);
+  }
+
+  static void add_cost(const ForceDependentRecord& from, ForceDependentRecord& to) {
+    to.iterations += from.iterations;
+    to.evaluations += from.evaluations;
+    to.regularised_steps += from.regularised_steps;
+    for (std::size_t p = 0; p < to.seconds.size(); ++p) to.seconds[p] += from.seconds[p];
+  }
+
+  const Run& run_;
+  Eigen::Index first_, end_;
+  TrialSimulation& out_;
+  MuscleEquilibrium problem_;
+};
 
 }  // namespace
 
@@ -286,7 +392,7 @@ TrialSimulation simulate_trial(const model::Model& model, const TrialInput& inpu
   parallel_for(static_cast<std::size_t>((frames + chunk - 1) / chunk), settings.threads,
                [&](std::size_t i) {
                  const Eigen::Index first = static_cast<Eigen::Index>(i) * chunk;
-                 simulate(run, first, std::min(frames, first + chunk), out);
+                 Chunk(run, first, std::min(frames, first + chunk), out).simulate();
                });
   for (const ForceDependentRecord& record : out.records) {
     out.not_converged += record.converged() ? 0 : 1;

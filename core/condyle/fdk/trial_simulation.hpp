@@ -3,9 +3,11 @@
 // forces at once, time frame by time frame (force_dependent.hpp says how one is solved).
 //
 // Time frames are solved forward, each from the ones before: their α extrapolated, then as it was.
-// A time frame that does not converge is kept with its status, its residual and its worst
-// coordinate, and the next one starts from the last in equilibrium. The run says so in its summary:
-// nothing is silently kept.
+// Where equilibrium is not found from nothing in the first one, a trial is entered at another, and
+// solved from there in both directions. A time frame that does not converge is kept with its status, its residual and its worst
+// coordinate, and the next one starts from the last in equilibrium. At the end those that did not are
+// tried once more from the other side. What then is left is said in the summary: nothing is silently
+// kept.
 //
 // With `chunk`, a trial is cut into runs of that many time frames, each with a start of its own,
 // and these are spread over threads: results are the same bytes for any number of threads (not for

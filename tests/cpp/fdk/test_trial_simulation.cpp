@@ -118,7 +118,7 @@ TEST_CASE(
   TrialInput input = squat(leg.model);
   TrialSimulationSettings settings;
   SUBCASE("too few iterations for a jump") {
-    input.loads[5][0].force_G *= 2.5;
+    input.loads[5][0].force_G *= 6.0;
     settings.solver.newton.max_iterations = 3;
     settings.solver.max_substeps = 1;
     settings.solver.softer_contact.clear();
@@ -145,6 +145,22 @@ TEST_CASE(
     CHECK(s.muscle_forces.row(7).maxCoeff() > 0.0);
     CHECK(s.records[8].status == ForceDependentStatus::kConverged);
   }
+}
+
+TEST_CASE("a trial that begins where nothing is found from nothing is entered elsewhere") {
+  const Leg leg;
+  const TrialInput input = squat(leg.model);
+  TrialSimulationSettings settings;
+  settings.solver.newton.max_iterations = 5;
+  const TrialSimulation before = leg.simulate(input);
+  TimeFrames starts = before.alpha;
+  starts.row(0) << 0.06, 0.3, 0.02, 0.015, -0.02;
+  const TrialSimulation s = leg.simulate(input, settings, starts);
+  INFO(summary(s));
+  REQUIRE(s.converged());
+  CHECK(s.records[0].evaluations > s.records[1].evaluations);  // both attempts count
+  CHECK((s.alpha - before.alpha).cwiseAbs().maxCoeff() < 1e-4);
+  CHECK((s.contact_wrenches - before.contact_wrenches).cwiseAbs().maxCoeff() < 1.0);
 }
 
 TEST_CASE("trials and settings that do not fit are refused by name") {
