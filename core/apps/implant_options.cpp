@@ -8,7 +8,6 @@
 
 #include "condyle/contact/compartments.hpp"
 #include "condyle/contact/implant_check.hpp"
-#include "condyle/geometry/mesh_file.hpp"
 #include "condyle/geometry/mesh_repair.hpp"
 
 namespace condyle::apps {
@@ -18,16 +17,6 @@ void require(const std::string& value, const char* option) {
   if (value.empty()) {
     throw std::invalid_argument(std::string(option) +
                                 " is missing (or give --surrogate FILE.onnx)");
-  }
-}
-
-geometry::TriangleMesh read(const std::string& file, geometry::LengthUnit unit) {
-  const geometry::TriangleMesh mesh = geometry::read_mesh(file, unit);
-  try {
-    // An inverted solid stays inverted: whoever built it should know, and the checks below say so.
-    return geometry::repair_mesh(mesh, {.turn_closed_outward = false}).mesh;
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(file + ": " + error.what());
   }
 }
 
@@ -48,7 +37,8 @@ contact::InsertMeshes read_insert(const ImplantOptions& options, geometry::Lengt
     if (!halves) require(options.insert, "--insert, or --insert-medial with --insert-lateral,");
     require(options.insert_medial, "--insert-medial");
     require(options.insert_lateral, "--insert-lateral");
-    return {read(options.insert_medial, unit), read(options.insert_lateral, unit)};
+    return {read_component(options.insert_medial, unit),
+            read_component(options.insert_lateral, unit)};
   }
   if (halves) {
     throw std::invalid_argument(
@@ -56,7 +46,7 @@ contact::InsertMeshes read_insert(const ImplantOptions& options, geometry::Lengt
   }
   contact::InsertMeshes insert;
   check_naming(options.insert,
-               [&] { insert = contact::split_insert(read(options.insert, unit), side); });
+               [&] { insert = contact::split_insert(read_component(options.insert, unit), side); });
   return insert;
 }
 
@@ -84,6 +74,8 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
                   "Whose faces are integrated: insert, femur, or both for their mean")
       ->group(meshes)
       ->capture_default_str();
+  command.add_option("--cache", options.cache, "Folder that keeps what fast builds between runs")
+      ->group(meshes);
   command.add_option("--surrogate", options.surrogate, "Surrogate file (.onnx), instead of meshes")
       ->group("Implant as surrogate");
   command
@@ -95,6 +87,24 @@ void add_implant_options(CLI::App& command, ImplantOptions& options, const char*
       ->group("Implant as surrogate");
 }
 
+geometry::TriangleMesh read_component(const std::string& file, geometry::LengthUnit unit) {
+  const geometry::TriangleMesh mesh = geometry::read_mesh(file, unit);
+  try {
+    // An inverted solid stays inverted: whoever built it should know, and the checks below say so.
+    return geometry::repair_mesh(mesh, {.turn_closed_outward = false}).mesh;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(file + ": " + error.what());
+  }
+}
+
+contact::PairSettings pair_settings(const ImplantOptions& options) {
+  contact::PairSettings settings;
+  settings.evaluation = contact::evaluation_from_name(options.evaluation);
+  settings.integration = contact::integration_from_name(options.integration);
+  settings.cache_directory = options.cache;
+  return settings;
+}
+
 std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& options) {
   require(options.femur, "--femur");
   require(options.side_of_body, "--side-of-body");
@@ -102,11 +112,11 @@ std::unique_ptr<contact::MeshContact> read_mesh_contact(const ImplantOptions& op
   const SideOfBody side = side_of_body_from_name(options.side_of_body);
   const geometry::LengthUnit unit = geometry::length_unit_from_name(options.units);
   contact::MeshContactSettings settings;
-  settings.pair.evaluation = contact::evaluation_from_name(options.evaluation);
-  settings.pair.integration = contact::integration_from_name(options.integration);
+  settings.pair = pair_settings(options);
+  settings.plausible_depth = options.plausible_depth;
   const contact::ContactLaw law = read_law(options.law);
 
-  const geometry::TriangleMesh femur = read(options.femur, unit);
+  const geometry::TriangleMesh femur = read_component(options.femur, unit);
   const contact::InsertMeshes insert = read_insert(options, unit, side);
   const std::string insert_files = options.insert.empty()
                                        ? options.insert_medial + ", " + options.insert_lateral

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// condyle-sim simulate: a knee simulator's load case on meshes or on a surrogate.
+// condyle-sim simulate: a knee simulator's load case on meshes or on a surrogate; with --model a
+// recorded trial of a body model instead (trial_command.hpp).
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -8,33 +9,29 @@
 #include <utility>
 #include <vector>
 
+#include "clinical_columns.hpp"
 #include "condyle/fdk/knee_simulator.hpp"
 #include "condyle/io/load_case_table.hpp"
 #include "condyle/io/pose_table.hpp"
 #include "condyle/io/table.hpp"
-#include "condyle/surrogate/hybrid_contact_model.hpp"
 #include "condyle/surrogate/module_folder.hpp"
-#include "condyle/surrogate/onnx_contact_model.hpp"
 #include "implant_options.hpp"
 #include "load_columns.hpp"
+#include "simulated_contact.hpp"
 #include "subcommands.hpp"
+#include "trial_command.hpp"
 
 namespace condyle::apps {
 namespace {
 
 struct SimulateOptions {
   ImplantOptions implant;
+  TrialOptions trial;
   std::string load_case;
   std::string out;
   double insert_width = 0.0;  // 0: from the meshes, or the simulator's default
   bool hybrid = false;
   std::string reference_calls;  // file for the hybrid's log; none if empty
-};
-
-/// What is simulated with; `hybrid` is the same object as `contact`, if it is one.
-struct SimulatedModel {
-  std::shared_ptr<const contact::ContactModel> contact;
-  std::shared_ptr<const surrogate::HybridContactModel> hybrid;
 };
 
 /// The load case delivered with the program.
@@ -47,42 +44,19 @@ std::filesystem::path default_load_case() {
   return file;
 }
 
-std::shared_ptr<const surrogate::OnnxContactModel> read_surrogate(const ImplantOptions& options) {
-  auto model = std::make_shared<const surrogate::OnnxContactModel>(
-      options.surrogate, surrogate::runtime_from_name(options.runtime));
-  if (!model->has_stiffness()) {
-    throw std::invalid_argument(options.surrogate +
-                                ": has the output wrench alone; a simulation needs stiffness");
-  }
-  return model;
-}
-
 /// The contact model of the options; sets the insert's width where meshes tell it.
-SimulatedModel read_model(const SimulateOptions& options, fdk::KneeSimulatorSettings& settings) {
-  const ImplantOptions& implant = options.implant;
-  if (options.hybrid && implant.surrogate.empty()) {
-    throw std::invalid_argument("--hybrid needs --surrogate FILE.onnx beside the meshes");
-  }
-  if (options.hybrid && implant.femur.empty()) {
-    throw std::invalid_argument("--hybrid needs meshes beside --surrogate: --femur is missing");
-  }
+SimulatedContact read_contact(const SimulateOptions& options,
+                              fdk::KneeSimulatorSettings& settings) {
   if (!options.reference_calls.empty() && !options.hybrid) {
     throw std::invalid_argument("--reference-calls goes with --hybrid only");
   }
-  if (!implant.surrogate.empty() && !options.hybrid) {
-    require_no_meshes(implant);
-    return {read_surrogate(implant), nullptr};
-  }
-  const std::shared_ptr<const contact::MeshContact> meshes = read_mesh_contact(implant);
-  settings.insert_width = meshes->insert_width();
-  if (!options.hybrid) return {meshes, nullptr};
-  const auto hybrid =
-      std::make_shared<const surrogate::HybridContactModel>(read_surrogate(implant), meshes);
-  return {hybrid, hybrid};
+  SimulatedContact made = read_simulated_contact(options.implant, options.hybrid);
+  if (made.meshes) settings.insert_width = made.meshes->insert_width();
+  return made;
 }
 
 /// How often the reference was called, for people; empty unless `model` is a hybrid.
-std::string reference_calls_text(const SimulatedModel& model,
+std::string reference_calls_text(const SimulatedContact& model,
                                  const fdk::KneeSimulation& simulation) {
   if (!model.hybrid) return {};
   long evaluations = 0;
@@ -107,15 +81,7 @@ io::Table reference_calls_table(const surrogate::HybridContactModel& hybrid) {
 }
 
 void add_clinical(io::Table& table, const std::vector<fdk::KneeFrame>& frames) {
-  using Member = double ClinicalKinematics::*;
-  static constexpr std::pair<const char*, Member> kColumns[] = {
-      {"flexion_rad", &ClinicalKinematics::flexion},
-      {"adduction_rad", &ClinicalKinematics::adduction},
-      {"tibial_external_rotation_rad", &ClinicalKinematics::tibial_external_rotation},
-      {"anterior_tibial_translation_m", &ClinicalKinematics::anterior_tibial_translation},
-      {"distraction_m", &ClinicalKinematics::distraction},
-      {"lateral_tibial_translation_m", &ClinicalKinematics::lateral_tibial_translation}};
-  for (const auto& [column, member] : kColumns) {
+  for (const auto& [column, member] : kClinicalColumns) {
     std::vector<double> values;
     values.reserve(frames.size());
     for (const auto& frame : frames) values.push_back(frame.clinical.*member);
@@ -153,11 +119,11 @@ io::Table simulation_table(const fdk::LoadCase& load_case, const fdk::KneeSimula
   return table;
 }
 
-int run(const SimulateOptions& options) {
+int run_load_case(const SimulateOptions& options) {
   const fdk::LoadCase load_case = io::read_load_case(
       options.load_case.empty() ? default_load_case() : std::filesystem::path(options.load_case));
   fdk::KneeSimulatorSettings settings;
-  const SimulatedModel model = read_model(options, settings);
+  const SimulatedContact model = read_contact(options, settings);
   if (options.insert_width != 0.0) settings.insert_width = options.insert_width;
 
   const fdk::KneeSimulation simulation = fdk::simulate_knee(*model.contact, load_case, settings);
@@ -180,13 +146,17 @@ int run(const SimulateOptions& options) {
 
 void add_simulate(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command =
-      program.add_subcommand("simulate", "Knee simulator: kinematics and loads over a load case");
+  CLI::App* command = program.add_subcommand(
+      "simulate", "Kinematics and loads of a knee over a load case, or of a body over a trial");
   add_implant_options(*command, options->implant, "exact");
+  command->get_option("--evaluation")
+      ->description("exact (triangles) or fast (smooth field); with --model fast, if not said");
   command->add_option("--load-case", options->load_case,
                       "CSV: time_s,flexion_deg,axial_force_N,ap_force_N,ie_torque_Nm "
                       "(default: iso_like_gait.csv beside the program)");
-  command->add_option("--out", options->out, "CSV to write: kinematics, loads per side, status")
+  command
+      ->add_option("--out", options->out,
+                   "CSV to write: kinematics, loads per side, status; of a trial the folder")
       ->required();
   command
       ->add_option("--insert-width", options->insert_width,
@@ -201,7 +171,16 @@ void add_simulate(CLI::App& program, int& exit_code) {
                    "CSV to write: poses that --hybrid called the reference for (the first 1000), "
                    "and the surrogate's trust there")
       ->group("Implant as surrogate");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  add_trial_options(*command, options->trial);
+  command->callback([options, command, &exit_code] {
+    if (!is_trial(*command)) {
+      exit_code = run_load_case(*options);
+      return;
+    }
+    // Exact contact over a trial takes minutes: whoever wants it says so.
+    if (command->get_option("--evaluation")->count() == 0) options->implant.evaluation = "fast";
+    exit_code = run_trial(options->trial, options->implant, options->hybrid, options->out);
+  });
 }
 
 }  // namespace condyle::apps

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[3]
 DATA = ROOT / "tests" / "data"
+TINY = DATA / "tiny_surrogate.onnx"
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -58,3 +60,20 @@ def implant(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("implant")
     write_implant(folder, generate(replace(preset("curved"), mesh_edge_length=2e-3)))
     return folder
+
+
+@pytest.fixture
+def untrusted(tmp_path: Path) -> Path:
+    """The closed-form surrogate, of a right knee and to be trusted nowhere."""
+    onnx = pytest.importorskip("onnx")
+    model = onnx.load(TINY)
+    for node in model.graph.node:
+        for i, name in enumerate(node.output):
+            if name == "trust":
+                node.output[i] = "trust_before"
+    model.graph.initializer.append(onnx.numpy_helper.from_array(np.array(0.0), "no_trust"))
+    model.graph.node.append(onnx.helper.make_node("Mul", ["trust_before", "no_trust"], ["trust"]))
+    metadata = {p.key: p.value for p in model.metadata_props}
+    onnx.helper.set_model_props(model, metadata | {"condyle.side_of_body": "right"})
+    onnx.save(model, tmp_path / "untrusted.onnx")
+    return tmp_path / "untrusted.onnx"

@@ -186,23 +186,6 @@ def test_simulate_says_in_its_exit_code_that_it_did_not_converge(run: Run, tmp_p
     assert "not_converged" in status
 
 
-@pytest.fixture
-def untrusted(tmp_path: Path) -> Path:
-    """The closed-form surrogate, of a right knee and to be trusted nowhere."""
-    onnx = pytest.importorskip("onnx")
-    model = onnx.load(TINY)
-    for node in model.graph.node:
-        for i, name in enumerate(node.output):
-            if name == "trust":
-                node.output[i] = "trust_before"
-    model.graph.initializer.append(onnx.numpy_helper.from_array(np.array(0.0), "no_trust"))
-    model.graph.node.append(onnx.helper.make_node("Mul", ["trust_before", "no_trust"], ["trust"]))
-    metadata = {p.key: p.value for p in model.metadata_props}
-    onnx.helper.set_model_props(model, metadata | {"condyle.side_of_body": "right"})
-    onnx.save(model, tmp_path / "untrusted.onnx")
-    return tmp_path / "untrusted.onnx"
-
-
 def test_a_hybrid_whose_surrogate_is_nowhere_trusted_simulates_the_meshes(
     run: Run, implant: Path, untrusted: Path, tmp_path: Path
 ) -> None:
