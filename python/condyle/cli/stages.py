@@ -6,12 +6,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 from rich.progress import Progress, TaskID
 
-from condyle.cli.console import console, progress_bar
+from condyle.cli.console import console, errors, progress_bar
 
 StudyFile = Annotated[Path, typer.Argument(help="Study, .toml")]
 Runs = Annotated[Path, typer.Option(help="Folder of run directories.")]
@@ -35,6 +35,10 @@ _COMMANDS: Final = {
     "report": "Writes tables and figures.",
 }
 
+#: Exit code where time frames of a trial are not in equilibrium; results are written.
+_NUMERICS_FAILED: Final = 1
+#: So many of them are told one by one.
+_TOLD: Final = 10
 #: Between lines of progress where the output is no terminal [s].
 LINE_EVERY_S: Final = 20.0
 
@@ -90,6 +94,22 @@ def run_study(
         run = StudyRun(study, runs, threads, ScreenReporter(progress), scheduler)
         run.run(until)
     console.print(f"\nresults: {run.context.directory.root}", highlight=False)
+    if _tell_unconverged(run.unconverged()):
+        raise typer.Exit(_NUMERICS_FAILED)
+
+
+def _tell_unconverged(rows: list[dict[str, Any]]) -> bool:
+    """Says on standard error which time frames of trials are not in equilibrium; whether there are any."""
+    for row in rows[:_TOLD]:
+        errors.print(
+            f"{row['activity']} ({row['contact']}), {row['time_s']:.4g} s: {row['message']}",
+            highlight=False,
+            markup=False,
+            soft_wrap=True,
+        )
+    if len(rows) > _TOLD:
+        errors.print(f"and {len(rows) - _TOLD} more time frames: tables.json, unconverged")
+    return bool(rows)
 
 
 def _stage_command(stage: str) -> Callable[[Path, Path, int], None]:

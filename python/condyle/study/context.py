@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from condyle.activities import LoadCase
     from condyle.contact import ContactLaw, MeshContact
     from condyle.contact.mesh_contact import IntegrationName
+    from condyle.study.activity import Activity
+    from condyle.study.body import StudyBody
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,27 @@ class StudyContext:
         cases = [load_case(activity) for activity in self.study.activities]
         return {case.name: case for case in cases}
 
+    @cached_property
+    def body(self) -> StudyBody:
+        """The body around the knee, of a study that has one."""
+        from condyle.study.body import StudyBody
+
+        assert self.study.body is not None
+        return StudyBody(self, self.study.body)
+
+    @cached_property
+    def activities(self) -> dict[str, Activity]:
+        """All that is simulated, by name: load cases of the knee simulator, then trials of the body."""
+        from condyle.study.simulate import LoadCaseActivity
+        from condyle.study.trial_activity import TrialActivity
+
+        found: dict[str, Activity] = {
+            name: LoadCaseActivity(case, self) for name, case in self.load_cases.items()
+        }
+        for name, trial in self.study.trials.items():
+            found[name] = TrialActivity(name, trial, self.body)
+        return found
+
     def outputs_of(self, stage: str) -> dict[str, str]:
         """Digests of what an earlier stage made.
 
@@ -94,11 +117,18 @@ class StudyContext:
         """The dataset: the run's own, or the one that the study names."""
         return self.study.sampling.dataset or self.directory.samples
 
-    def activity_digests(self) -> dict[str, str]:
-        """What the activities are: the content of files, the names of built-in ones."""
+    def activity_digests(self) -> dict[str, Any]:
+        """What the activities are: the content of all files that they are read from."""
         from condyle.activities import load_case_file
 
-        return {a: digest_of_file(load_case_file(a)) for a in self.study.activities}
+        found: dict[str, Any] = {
+            a: digest_of_file(load_case_file(a)) for a in self.study.activities
+        }
+        for name, trial in self.study.trials.items():
+            found[name] = self.body.digests(name, trial) | {
+                "window": [trial.start_s, trial.end_s, trial.negligible_force_N]
+            }
+        return found
 
     def identity(self) -> dict[str, Any]:
         """What a sample or a surrogate of this study is of: implant meshes and contact law, by content.

@@ -21,13 +21,15 @@ class ActivityCurvesSection(Section):
 
     Attributes:
         kind: which way.
+        names: of the activities and trials to sample around; all of them if none is named.
     """
 
     kind: Literal["activities"] = "activities"
+    names: tuple[str, ...] = ()
 
     def canonical(self) -> dict[str, Any]:
         """The values as plain JSON data, for hashing."""
-        return {"kind": self.kind}
+        return {"kind": self.kind, **({"names": list(self.names)} if self.names else {})}
 
 
 class TableCurvesSection(Section):

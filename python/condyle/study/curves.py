@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from condyle.study.context import StudyContext
 from condyle.study.curve_sections import (
+    ActivityCurvesSection,
     ConformityCurvesSection,
     TableCurvesSection,
 )
@@ -49,10 +50,16 @@ def make_curves(context: StudyContext, solver: StaticEquilibriumSolver) -> Curve
         return CurvesFound(curves, f"reference curves from {files}: {', '.join(curves.names)}")
     if isinstance(section, ConformityCurvesSection):
         return _from_conformity(context, section, solver)
+    assert isinstance(section, ActivityCurvesSection)
     activities = {}
-    for name in context.load_cases:
+    for name in section.names or context.activities:
         trace = read_simulation(context.directory.simulations / f"{name}_reference.csv")
-        activities[name] = (trace["time"], trace["poses"], trace["wrenches"])
+        found = trace["converged"]
+        activities[name] = (
+            trace["time"][found],
+            trace["poses"][found],
+            trace["wrenches"][found],
+        )
     curves = ReferenceCurves.from_activities(activities)
     return CurvesFound(curves, f"reference curves from {len(activities)} simulated activities")
 

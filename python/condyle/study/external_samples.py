@@ -17,11 +17,13 @@ from condyle.study.run_directory import digest_of_file
 from condyle.study.schema import Study
 
 #: Stages that need a reference contact.
-WITH_REFERENCE: Final = ("implant", "reference", "simulate")
+WITH_REFERENCE: Final = ("implant", "body", "reference", "simulate")
 
 
 def has_stage(study: Study, stage: str) -> bool:
     """Whether a study has a stage."""
+    if stage == "body" and study.body is None:
+        return False
     return study.sampling.dataset is None or stage not in WITH_REFERENCE
 
 

@@ -8,12 +8,18 @@ from typing import Any
 from pydantic import ValidationError
 
 from condyle.errors import InputDataError
+from condyle.study.body_sections import BodySection, TrialSection
 from condyle.study.curve_sections import CURVE_SECTIONS
 from condyle.study.law_sections import LAW_SECTIONS
 from condyle.study.schema import Study
 
 _PATHS = ("femur", "insert", "insert_medial", "insert_lateral")
+_BODY_PATHS = ("model", "surfaces", "ik_model")
+_TRIAL_PATHS = ("motion", "markers", "marker_weights", "external_loads", "paths")
 _LAWS = ("law", "pressure_law")
+#: Tables that may be missing, and a table of tables, which their annotations hide.
+_TRIALS = "a table of trials"
+_OPTIONAL: dict[str, Any] = {"body": BodySection, "trials": _TRIALS}
 #: Keys whose tables are told apart by their ``kind``, and the sections there are.
 _KINDS = {**dict.fromkeys(_LAWS, LAW_SECTIONS), "curves": CURVE_SECTIONS}
 
@@ -43,11 +49,11 @@ def read_study(file: Path | str) -> Study:
 
 
 def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
-    implant = content.get("implant")
-    if isinstance(implant, dict):
-        for key in _PATHS:
-            if isinstance(implant.get(key), str):
-                implant[key] = str(folder / implant[key])
+    _join(content.get("implant"), _PATHS, folder)
+    _join(content.get("body"), _BODY_PATHS, folder)
+    trials = content.get("trials")
+    for trial in trials.values() if isinstance(trials, dict) else ():
+        _join(trial, _TRIAL_PATHS, folder)
     contact = content.get("contact")
     for key in _LAWS:
         law = contact.get(key) if isinstance(contact, dict) else None
@@ -64,6 +70,14 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
         content["activities"] = [
             str(folder / a) if isinstance(a, str) and a.endswith(".csv") else a for a in activities
         ]
+
+
+def _join(table: Any, keys: tuple[str, ...], folder: Path) -> None:
+    if not isinstance(table, dict):
+        return
+    for key in keys:
+        if isinstance(table.get(key), str):
+            table[key] = str(folder / table[key])
 
 
 def _describe(error: Any) -> str:
@@ -94,7 +108,10 @@ def _known(location: tuple[Any, ...]) -> list[str]:
     model: Any = Study
     kinds: dict[str, Any] = {}
     for part in location[:-1]:
+        if model is _TRIALS:
+            model = TrialSection
+            continue
         field = getattr(model, "model_fields", {}).get(part)
-        model = kinds.get(part) if field is None else field.annotation
+        model = kinds.get(part) if field is None else _OPTIONAL.get(part, field.annotation)
         kinds = _KINDS.get(part, kinds)
     return sorted(getattr(model, "model_fields", {}))

@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from condyle.study.context import StudyContext
 from condyle.study.external_samples import has_stage, require_stage
 from condyle.study.reporter import Reporter, SilentReporter
 from condyle.study.run_directory import RunDirectory
 from condyle.study.schema import Study
-from condyle.study.stages import evaluate, implant, reference, report, sample, simulate, train
+from condyle.study.stages import body, evaluate, implant, reference, report, sample, simulate, train
 
 STAGES: Final = {
     "implant": implant.run,
+    "body": body.run,
     "reference": reference.run,
     "sample": sample.run,
     "train": train.run,
@@ -63,3 +64,11 @@ class StudyRun:
                 self.context.reporter.skipped(name)
             if name == until:
                 return
+
+    def unconverged(self) -> list[dict[str, Any]]:
+        """Time frames of trials that are not in equilibrium, with every contact model simulated so far."""
+        directory = self.context.directory
+        found = directory.read_table("unconverged")
+        if found is None:
+            found = directory.read_table("reference_unconverged")
+        return list(found or [])

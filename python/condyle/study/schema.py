@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from condyle.study.body_sections import BodySection, TrialSection
 from condyle.study.curve_sections import ActivityCurvesSection, CurvesSection
 from condyle.study.law_sections import LawSection, LinearVolumeSection
 from condyle.study.section import Section
@@ -25,6 +26,8 @@ BUILT_IN_ACTIVITIES = (
     "squat_like",
 )
 _SENSITIVE = (["y", "theta_x"], ["y"])
+#: Names that are names of folders, too.
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 
 
 class ImplantSection(Section):
@@ -177,10 +180,12 @@ class Study(Section):
     Attributes:
         name: of the run directory, ``runs/<name>``.
         activities: built-in load cases by name, or CSV files (columns time_s, flexion_deg, axial_force_N,
-            ap_force_N, ie_torque_Nm).
+            ap_force_N, ie_torque_Nm); none, unless named, where there are trials.
+        body: the musculoskeletal model that trials are of.
+        trials: recorded activities of that body, by name.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+    name: Annotated[str, Field(pattern=_NAME)]
     activities: tuple[str, ...] = BUILT_IN_ACTIVITIES
     implant: ImplantSection = ImplantSection(preset="curved")
     contact: ContactSection = ContactSection()
@@ -188,20 +193,58 @@ class Study(Section):
     sampling: SamplingSection = SamplingSection()
     training: TrainingSection = TrainingSection()
     simulate: SimulateSection = SimulateSection()
+    body: BodySection | None = None
+    trials: dict[Annotated[str, Field(pattern=_NAME)], TrialSection] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _trials_alone(cls, content: Any) -> Any:
+        """Whoever has trials means these."""
+        if isinstance(content, dict) and content.get("trials") and "activities" not in content:
+            return {**content, "activities": ()}
+        return content
 
     @model_validator(mode="after")
     def _has_activities(self) -> Self:
-        if not self.activities:
+        if not self.activities and not self.trials:
             raise ValueError("activities is empty: name at least one load case")
         if len(set(self.activities)) != len(self.activities):
             raise ValueError("activities names a load case twice")
+        known = {Path(activity).stem for activity in self.activities}
+        for name in self.trials:
+            if name in known:
+                raise ValueError(f"trials.{name}: an activity has that name")
+        return self
+
+    @model_validator(mode="after")
+    def _body_and_trials(self) -> Self:
+        if (self.body is None) != (not self.trials):
+            given, missing = ("body", "trials") if self.body is not None else ("trials", "body")
+            raise ValueError(f"{given} needs {missing}: trials are of a body")
+        if self.body is not None and not self.body.imported:
+            for name, trial in self.trials.items():
+                if trial.markers is not None and self.body.ik_model is None:
+                    raise ValueError(f"trials.{name}.markers needs body.ik_model, an .osim")
+        return self
+
+    @model_validator(mode="after")
+    def _samples_around_what_it_has(self) -> Self:
+        curves = self.sampling.curves
+        if isinstance(curves, ActivityCurvesSection):
+            known = [*(Path(a).stem for a in self.activities), *self.trials]
+            for name in curves.names:
+                if name not in known:
+                    raise ValueError(
+                        f"sampling.curves.names: {name!r} is none of the study's activities: {', '.join(known)}"
+                    )
         return self
 
     @model_validator(mode="after")
     def _uses_what_it_says(self) -> Self:
         """A dataset brings no contact that could be evaluated, so nothing is simulated."""
         unused = sorted(
-            self.model_fields_set & {"activities", "contact", "implant", "simulate", "simulator"}
+            self.model_fields_set
+            & {"activities", "body", "contact", "implant", "simulate", "simulator", "trials"}
         )
         if self.sampling.dataset is not None and unused:
             raise ValueError(

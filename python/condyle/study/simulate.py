@@ -1,18 +1,49 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulates one activity of a study, and refuses to go on from one that did not converge."""
+"""Load cases of the knee simulator as activities of a study."""
 
 from __future__ import annotations
 
 import math
+import time
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from condyle.errors import CondyleError
+from condyle.study.activity import Outcome
 from condyle.study.context import StudyContext
 
 if TYPE_CHECKING:
     from condyle.activities import LoadCase
     from condyle.contact import ContactModel
     from condyle.fdk import KneeSimulation
+
+
+@dataclass(frozen=True)
+class LoadCaseActivity:
+    """A load case: flexion and loads over time, all else from equilibrium.
+
+    Attributes:
+        load_case: what is simulated.
+        context: the study, with its reference contact and its simulator.
+    """
+
+    load_case: LoadCase
+    context: StudyContext
+
+    @property
+    def name(self) -> str:
+        """Of the load case."""
+        return self.load_case.name
+
+    def simulate(self, model: ContactModel, contact: str) -> Outcome:
+        """As :class:`condyle.study.activity.Activity`."""
+        start = time.perf_counter()
+        simulation = simulate(model, self.load_case, self.context)
+        seconds = time.perf_counter() - start
+        require_converged(
+            self.name if contact == "reference" else f"{self.name} ({contact})", simulation
+        )
+        return Outcome(simulation, seconds)
 
 
 def simulate(model: ContactModel, load_case: LoadCase, context: StudyContext) -> KneeSimulation:

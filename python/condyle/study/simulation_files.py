@@ -15,7 +15,7 @@ from condyle.conventions import POSE_COLUMNS, WRENCH_COLUMNS
 from condyle.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from condyle.fdk import KneeSimulation
+    from condyle.study.activity import Simulated
 
 KINEMATICS_COLUMNS = (
     "flexion_rad",
@@ -28,7 +28,7 @@ KINEMATICS_COLUMNS = (
 _NUMBERS = ("time_s", *POSE_COLUMNS, *KINEMATICS_COLUMNS, *WRENCH_COLUMNS, "residual", "trust")
 
 
-def write_simulation(file: Path, simulation: KneeSimulation) -> None:
+def write_simulation(file: Path, simulation: Simulated) -> None:
     """Writes time, pose, clinical kinematics, loads, scaled residual, trust and status of every time frame."""
     table = np.column_stack(
         [
@@ -49,11 +49,19 @@ def write_simulation(file: Path, simulation: KneeSimulation) -> None:
 
 
 def read_simulation(file: Path) -> dict[str, NDArray[Any]]:
-    """Reads what write_simulation wrote: time (n,), poses (n, 6), kinematics (n, 6), wrenches (n, 2, 6), trust (n,)."""
+    """Reads what write_simulation wrote.
+
+    Returns:
+        time (n,), poses (n, 6), kinematics (n, 6), wrenches (n, 2, 6), trust (n,), converged (n,).
+    """
     numbers = np.loadtxt(
         file, delimiter=",", skiprows=1, usecols=range(len(_NUMBERS)), dtype=np.float64, ndmin=2
     )
+    status = np.loadtxt(
+        file, delimiter=",", skiprows=1, usecols=len(_NUMBERS), dtype=np.str_, ndmin=1
+    )
     return {
+        "converged": status == "converged",
         "time": numbers[:, 0],
         "poses": numbers[:, 1:7],
         "kinematics": numbers[:, 7:13],

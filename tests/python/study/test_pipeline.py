@@ -230,5 +230,5 @@ def test_samples_of_another_design_are_not_overwritten(runs):
 
 
 def test_no_such_stage(tmp_path):
-    with pytest.raises(ValueError, match="stage 'trian': must be one of implant, reference"):
+    with pytest.raises(ValueError, match="stage 'trian': must be one of implant, body, reference"):
         run(tmp_path, until="trian")

@@ -27,13 +27,14 @@ TABLES = (
     "simulation_loads",
     "simulation_kinematics",
     "times",
+    "unconverged",
     "parity",
 )
 
 
 def run(context: StudyContext) -> bool:
     """Merges the stages' tables and draws the figures."""
-    stages = ("implant", "reference", "sample", "train", "evaluate", "simulate")
+    stages = ("implant", "body", "reference", "sample", "train", "evaluate", "simulate")
     inputs: dict[str, Any] = {
         stage: context.outputs_of(stage) for stage in stages if has_stage(context.study, stage)
     }
@@ -70,7 +71,7 @@ def _simulation_figures(context: StudyContext) -> list[Path]:
     folder = context.directory.figures
     made = []
     with house_style():
-        for name in context.load_cases:
+        for name in context.activities:
             # Two lines a panel: the first contact model that the study names beside the reference.
             models = ("reference", context.study.simulate.contact[0])
             known, predicted = (

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 import io
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,14 +13,13 @@ import condyle
 from condyle.conventions import POSE_COLUMNS
 from condyle.evaluation import kinematics_error_table, simulation_load_error_table
 from condyle.study.context import StudyContext
-from condyle.study.simulate import require_converged, simulate
 from condyle.study.simulation_files import read_simulation, write_simulation
 from condyle.whole_files import write_whole
 
 if TYPE_CHECKING:
     from condyle.surrogate import HybridContactModel, OnnxContactModel
 
-_TABLES = ("simulation_loads", "simulation_kinematics", "times")
+_TABLES = ("simulation_loads", "simulation_kinematics", "times", "unconverged")
 
 
 @dataclass
@@ -47,10 +45,11 @@ def run(context: StudyContext) -> bool:
 
     def work() -> list[Path]:
         models = context.study.simulate.contact
-        context.reporter.stage("simulate", f"{', '.join(context.load_cases)}; {', '.join(models)}")
+        context.reporter.stage("simulate", f"{', '.join(context.activities)}; {', '.join(models)}")
         surrogate = load_surrogate(context.directory.surrogate)
         results = _Results()
-        runs = [(name, contact) for name in context.load_cases for contact in models]
+        results.rows["unconverged"] += context.directory.read_table("reference_unconverged")
+        runs = [(name, contact) for name in context.activities for contact in models]
         for i, (name, contact) in enumerate(runs):
             context.reporter.progress("simulating", i / len(runs), f"{name}, {contact}")
             _simulate(context, surrogate, name, contact, results)
@@ -75,28 +74,41 @@ def _simulate(
     folder = context.directory.simulations
     # A hybrid of its own for every activity, so that its count is the activity's.
     hybrid = HybridContactModel(surrogate, context.reference) if contact == "hybrid" else None
-    start = time.perf_counter()
-    simulation = simulate(hybrid or surrogate, context.load_cases[name], context)
-    seconds = time.perf_counter() - start
+    outcome = context.activities[name].simulate(hybrid or surrogate, contact)
+    simulation = outcome.simulated
     file = folder / f"{name}_{contact}.csv"
     write_simulation(file, simulation)
-    results.files.append(file)
+    results.files += [file, *outcome.files]
     if hybrid is not None:
         results.files.append(_write_calls(folder / f"{name}_hybrid_calls.csv", hybrid))
-    require_converged(f"{name} ({contact})", simulation)
     known = read_simulation(folder / f"{name}_reference.csv")
     rows = results.rows
+    rows["unconverged"] += outcome.unconverged(name, contact)
+    both = known["converged"] & (simulation.status == "converged")
     for table, errors in (
-        ("simulation_loads", simulation_load_error_table(name, known["wrenches"], simulation.wrenches)),
-        ("simulation_kinematics", kinematics_error_table(name, known["kinematics"], simulation.kinematics)),
-    ):  # fmt: skip
-        rows[table] += [{"contact": contact, **row} for row in errors]
+        (
+            "simulation_loads",
+            simulation_load_error_table(name, known["wrenches"][both], simulation.wrenches[both]),
+        ),
+        (
+            "simulation_kinematics",
+            kinematics_error_table(name, known["kinematics"][both], simulation.kinematics[both]),
+        ),
+    ):
+        excluded = int((~both).sum())
+        rows[table] += [{"contact": contact, **row, "excluded": excluded} for row in errors]
+    directory = context.directory
     rows["times"].append(
         {
             "what": f"{name}, {len(simulation.time)} time frames",
+            "activity": name,
             "contact": contact,
-            "reference_s": context.directory.read_table("reference_seconds")[name],
-            "surrogate_s": seconds,
+            "time_frames": len(simulation.time),
+            "duration_s": float(simulation.time[-1] - simulation.time[0]),
+            "reference_s": directory.read_table("reference_seconds")[name],
+            "surrogate_s": outcome.seconds,
+            "reference_phases_s": directory.read_table("reference_phases")[name],
+            "phases_s": outcome.phases,
             "evaluations": int(simulation.evaluations.sum()),
             "reference_evaluations": 0 if hybrid is None else hybrid.reference_calls,
             "untrusted_time_frames": int((simulation.trust < 0.5).sum()),
