@@ -448,3 +448,12 @@ def test_an_earlier_result_survives_a_mistake(run: Run, leg: Leg, tmp_path: Path
     before = {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()}
     refused(run, *trial(leg, "out", criterion=0.5))
     assert {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()} == before
+
+
+def test_the_options_that_the_documentation_names_exist(run: Run) -> None:
+    text = (Path(__file__).parents[3] / "docs" / "simulation.md").read_text(encoding="utf-8")
+    (section,) = re.findall(r"## Without Python\n(.*?)\n## ", text, re.DOTALL)
+    known = run("simulate", "--help").stdout
+    named = set(re.findall(r"--[a-z][a-z-]+", section))
+    assert len(named) > 15
+    assert not [option for option in sorted(named) if f"  {option} " not in known]

@@ -378,7 +378,7 @@ def test_the_defaults_that_help_names_are_the_core_s():
 def test_the_options_that_the_documentation_names_exist():
     text = (Path(__file__).parents[3] / "docs" / "simulation.md").read_text(encoding="utf-8")
     (command,) = re.findall(r"(condyle simulate dm\.json .*?)\n\n", text, re.DOTALL)
-    prose = text[text.index("**Which surfaces touch.**") :]
+    prose = text[text.index("**Which surfaces touch.**") : text.index("## Without Python")]
     known = CliRunner(env={"COLUMNS": "250"}).invoke(app, ["simulate", "--help"]).output
     named = set(re.findall(r"--[a-z][a-z-]+", command + prose))
     assert len(named) > 25
