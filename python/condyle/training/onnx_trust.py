@@ -27,7 +27,10 @@ def add_trust(graph: GraphBuilder, trust: TrustModel) -> None:
     )
     slope = graph.constant("error.slope", trust.error_slope)
     offset = graph.constant("error.offset", trust.error_offset)
-    load_part = graph.node("Mul", [fy, slope], "error.load_part")
+    # An energy's gradient may pull, far from any sample: that is no load to be in proportion to.
+    zero = graph.constant("error.zero", np.zeros(1))
+    compression = graph.node("Max", [fy, zero], "error.compression")
+    load_part = graph.node("Mul", [compression, slope], "error.load_part")
     graph.node("Add", [load_part, offset], graph.output("error"))
     _add_domains(graph, trust)
 

@@ -45,6 +45,27 @@ def files(potential, metadata, tmp_path_factory):
     return paths
 
 
+def test_the_bound_does_not_shrink_where_an_energy_pulls(potential, metadata, trained, tmp_path):
+    surrogate, trust = potential
+    # The same energies upside down in y: Fy < 0, as a network's may be far from its samples.
+    sides = []
+    for side in surrogate.sides:
+        values = side.to_dict()
+        values["network"]["input_half_range"] = values["network"]["input_half_range"].clone()
+        values["network"]["input_half_range"][1] *= -1
+        sides.append(type(side).from_dict(values))
+    pulling = PotentialSurrogate((sides[0], sides[1]))
+    path = tmp_path / "pulling.onnx"
+    export_onnx(path, pulling, trust, metadata)
+    poses = trained.held_out.poses
+    assert (pulling.wrench(poses)[:, :, 1] < -1.0).sum() > 100
+    report = check_parity(path, pulling, poses, trust)
+    assert report.agrees, report.excess
+    session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
+    (error,) = session.run(["error"], {"pose": poses})
+    assert (error >= trust.error_offset * (1 - 1e-12)).all()
+
+
 def _run(path, poses):
     session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
     names = [output.name for output in session.get_outputs()]
