@@ -83,6 +83,9 @@ def test_results_and_figures_are_there(folder):
     for figure in ("samples_loaded", "samples_coverage", "parity"):
         assert f"figures/{figure}.png" in text
         assert (root / f"figures/{figure}.png").exists()
+    page = (root / "report.html").read_text()
+    assert page.count('src="data:image/png;base64,') == text.count("![") > 0
+    assert str(folder) not in page
     assert not (root / "implant").exists()
     assert not (root / "simulations").exists()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stage ``report``: tables.json, tables.md and the figures."""
+"""Stage ``report``: tables.json, tables.md, the figures, and all of it as report.html."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import condyle
+from condyle.report.html_page import html_page
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
 from condyle.study.external_samples import has_stage
@@ -50,8 +51,12 @@ def run(context: StudyContext) -> bool:
         shown = [f.relative_to(directory.root) for f in (*sample_figure_files(context), *figures)]
         text = render_tables(context.study.name, tables, [f.as_posix() for f in shown])
         write_whole(markdown_file, text)
-        context.reporter.finished("report", f"{markdown_file}, {len(shown)} figures")
-        return [json_file, markdown_file, *figures]
+        page_file = directory.root / "report.html"
+        write_whole(page_file, html_page(text, context.study.name, directory.root))
+        context.reporter.finished(
+            "report", f"{markdown_file}, {len(shown)} figures; all in one page: {page_file}"
+        )
+        return [json_file, markdown_file, page_file, *figures]
 
     return context.directory.run_stage("report", inputs, work)
 
