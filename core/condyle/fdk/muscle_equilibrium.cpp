@@ -143,12 +143,12 @@ void MuscleEquilibrium::uncouple_recruitment() {
 
 bool MuscleEquilibrium::renew(const numerics::Unknowns& alpha, numerics::Unknowns& r,
                               numerics::Jacobian& J) {
-  if (sharing_.held || sharing_.updates >= sharing_.most) return false;
-  evaluate(alpha, true);
+  if (!renews()) return false;
   // Again where r is small by chance: f is part of C, and C of f.
   for (bool again = true; again;) {
-    if (!take_coupling()) return false;
-    evaluate(alpha, true);
+    evaluate(alpha, Derivatives::kHeld);
+    if (!take_coupling()) break;
+    evaluate(alpha, Derivatives::kNone);
     const numerics::Unknowns before = r;
     net_force(r);
     const double change = in_tolerances(r - before) / sharing_.weight;
@@ -165,6 +165,8 @@ bool MuscleEquilibrium::renew(const numerics::Unknowns& alpha, numerics::Unknown
     sharing_.change = change;
   }
   ++sharing_.updates;
+  evaluate(alpha, Derivatives::kWhole);
+  net_force(r);
   net_stiffness(J);
   return true;
 }
@@ -192,9 +194,11 @@ std::string_view MuscleEquilibrium::coordinate_name(int i) const {
       .name;
 }
 
-void MuscleEquilibrium::evaluate(const numerics::Unknowns& alpha, bool derivatives) {
-  if (alpha_.size() == alpha.size() && alpha_ == alpha && (differentiated_ || !derivatives)) {
-    if (!shared_) share(differentiated_);
+void MuscleEquilibrium::evaluate(const numerics::Unknowns& alpha, Derivatives derivatives) {
+  const bool wanted = derivatives != Derivatives::kNone;
+  if (alpha_.size() == alpha.size() && alpha_ == alpha && (differentiated_ || !wanted)) {
+    if (!shared_) share();
+    differentiate(derivatives);
     return;
   }
   alpha_.resize(0);
@@ -205,42 +209,55 @@ void MuscleEquilibrium::evaluate(const numerics::Unknowns& alpha, bool derivativ
   {
     const Timer timer(seconds_, Phase::kDynamics);
     frame_.compute_dynamics(loads_);
-    if (derivatives) frame_.differentiate_dynamics();
+    if (wanted) frame_.differentiate_dynamics();
   }
   {
     const Timer timer(seconds_, Phase::kPaths);
-    frame_.compute_muscles(derivatives);
+    frame_.compute_muscles(wanted);
   }
   {
     const Timer timer(seconds_, Phase::kLigaments);
-    frame_.compute_ligaments(derivatives);
+    frame_.compute_ligaments(wanted);
   }
   {
     const Timer timer(seconds_, Phase::kContact);
     contact_tau_.setZero();
     contact_stiffness_.setZero();
-    const auto what = derivatives ? contact::Derivatives::kStiffness : contact::Derivatives::kNone;
+    const auto what = wanted ? contact::Derivatives::kStiffness : contact::Derivatives::kNone;
     for (BodyContact& contact : contacts_) {
       contact.evaluate(frame_.kinematics(), what, contact_share_);
       contact.add_force(frame_.kinematics(), contact_tau_);
-      if (derivatives) contact.add_stiffness(frame_.kinematics(), contact_stiffness_);
+      if (wanted) contact.add_stiffness(frame_.kinematics(), contact_stiffness_);
     }
   }
-  share(derivatives);
   alpha_ = alpha;
-  differentiated_ = derivatives;
+  differentiated_ = wanted;
+  share();
+  differentiate(derivatives);
 }
 
 // What changes with C alone.
-void MuscleEquilibrium::share(bool derivatives) {
+void MuscleEquilibrium::share() {
   const Timer timer(seconds_, Phase::kRecruitment);
   if (frame_.recruits()) {
     recruited_ = &frame_.recruit(contact_tau_);
   } else {
     frame_.leave_passive(contact_tau_);
   }
-  if (derivatives) frame_.differentiate_residual(contact_stiffness_, derivative_);
   shared_ = true;
+  derivative_is_ = Derivatives::kNone;
+}
+
+// The derivative with or without the muscles' answer.
+void MuscleEquilibrium::differentiate(Derivatives derivatives) {
+  if (derivatives == Derivatives::kNone || derivatives == derivative_is_) return;
+  const Timer timer(seconds_, Phase::kRecruitment);
+  if (derivatives == Derivatives::kHeld) {
+    frame_.differentiate_held(contact_stiffness_, derivative_);
+  } else {
+    frame_.differentiate_residual(contact_stiffness_, derivative_);
+  }
+  derivative_is_ = derivatives;
 }
 
 void MuscleEquilibrium::net_force(numerics::Unknowns& r) const {
@@ -263,13 +280,14 @@ double MuscleEquilibrium::in_tolerances(const numerics::Unknowns& r) const {
 }
 
 void MuscleEquilibrium::residual(const numerics::Unknowns& alpha, numerics::Unknowns& r) {
-  evaluate(alpha, false);
+  evaluate(alpha, Derivatives::kNone);
   net_force(r);
 }
 
 void MuscleEquilibrium::residual_and_jacobian(const numerics::Unknowns& alpha,
                                               numerics::Unknowns& r, numerics::Jacobian& J) {
-  evaluate(alpha, true);
+  // Where C is taken anew next, the answer to the C of now would be thrown away.
+  evaluate(alpha, renews() ? Derivatives::kHeld : Derivatives::kWhole);
   net_force(r);
   net_stiffness(J);
 }

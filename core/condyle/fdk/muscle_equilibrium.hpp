@@ -120,7 +120,8 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
   /// Recruitment's result; nullptr where the model has nothing to recruit.
   const recruitment::Recruitment* recruited() const { return recruited_; }
   std::string recruitment_message() const;
-  /// ∂(τ − Q − R f)/∂α of all coordinates (n_coordinates, size()), of the last Jacobian.
+  /// ∂(τ − Q − R f)/∂α of all coordinates (n_coordinates, size()), of the last Jacobian; at held f
+  /// where C is about to be taken anew (renew).
   const Eigen::MatrixXd& residual_derivative() const { return derivative_; }
 
   /// Summed since reset_seconds; linear algebra: assembly here alone.
@@ -136,8 +137,11 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
     bool held = false;
   };
 
-  void evaluate(const numerics::Unknowns& alpha, bool derivatives);
-  void share(bool derivatives);
+  enum class Derivatives { kNone, kHeld, kWhole };
+  void evaluate(const numerics::Unknowns& alpha, Derivatives derivatives);
+  void share();
+  void differentiate(Derivatives derivatives);
+  bool renews() const { return !sharing_.held && sharing_.updates < sharing_.most; }
   bool take_coupling();
   void net_force(numerics::Unknowns& r) const;
   void net_stiffness(numerics::Jacobian& J) const;
@@ -150,8 +154,10 @@ class MuscleEquilibrium : public numerics::EquilibriumProblem {
   std::span<const model::ExternalLoad> loads_;
   double contact_share_ = 1.0;
   Sharing sharing_;
-  // What holds of alpha_: evaluated with derivatives; forces shared with the C of now.
+  // What holds of alpha_: evaluated with derivatives; forces shared with the C of now; and what
+  // the derivative is then.
   bool differentiated_ = false, shared_ = false;
+  Derivatives derivative_is_ = Derivatives::kNone;
   numerics::Unknowns alpha_;
   Eigen::VectorXd contact_tau_;
   Eigen::MatrixXd contact_stiffness_, derivative_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/fdk/musculoskeletal_frame.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -16,6 +16,9 @@ namespace {
 using model::CoordinateBalance;
 using model::CoordinateRole;
 using model::Model;
+
+// Pivots below this share of the largest are noise; rows are in N and Nm, columns by m and rad.
+constexpr double kSingularPivot = 1e-12;
 
 std::vector<int> balanced_coordinates(const Model& model) {
   std::vector<char> dependent(static_cast<std::size_t>(model.n_coordinates()), 0);
@@ -338,37 +341,41 @@ void MusculoskeletalFrame::differentiate_passive() {
   }
 }
 
-void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others,
-                                                  Eigen::Ref<Eigen::MatrixXd> derivative) {
+void MusculoskeletalFrame::differentiate_held(const Eigen::Ref<const Eigen::MatrixXd>& others,
+                                              Eigen::Ref<Eigen::MatrixXd> derivative) {
   differentiate_passive();
   other_rates_ = others;
   derivative = dynamics_rates_ - passive_rates_ - other_rates_;
-  force_rates_.setZero();
-  if (solver_ && solver_->result().converged()) differentiate_recruitment();
-  derivative.noalias() -= moment_arms_ * force_rates_;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
     const double tension = active_[static_cast<Eigen::Index>(i)];
     if (moves_[i] && tension != 0.0) add_tension_derivative(i, -tension, derivative);
   }
 }
 
-bool MusculoskeletalFrame::coupling(const Eigen::Ref<const Eigen::MatrixXd>& derivative,
+void MusculoskeletalFrame::differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others,
+                                                  Eigen::Ref<Eigen::MatrixXd> derivative) {
+  differentiate_held(others, derivative);
+  force_rates_.setZero();
+  if (!solver_ || !solver_->result().converged()) return;
+  differentiate_recruitment();
+  derivative.noalias() -= moment_arms_ * force_rates_;
+}
+
+bool MusculoskeletalFrame::coupling(const Eigen::Ref<const Eigen::MatrixXd>& held,
                                     Eigen::Ref<Eigen::MatrixXd> C) const {
   const auto k = static_cast<Eigen::Index>(balanced_.size());
   const auto c = static_cast<Eigen::Index>(columns_.size());
-  // f held: what its answer gave the derivative is put back.
   Eigen::MatrixXd K_balanced(k, c), K_columns(c, c);
   for (Eigen::Index j = 0; j < k; ++j) {
-    const int b = balanced_[static_cast<std::size_t>(j)];
-    K_balanced.row(j) = derivative.row(b) + moment_arms_.row(b) * force_rates_;
+    K_balanced.row(j) = held.row(balanced_[static_cast<std::size_t>(j)]);
   }
   for (Eigen::Index j = 0; j < c; ++j) {
-    const int a = columns_[static_cast<std::size_t>(j)];
-    K_columns.row(j) = derivative.row(a) + moment_arms_.row(a) * force_rates_;
+    K_columns.row(j) = held.row(columns_[static_cast<std::size_t>(j)]);
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(K_columns.transpose());
-  if (!qr.isInvertible()) return false;
-  const Eigen::MatrixXd found = -qr.solve(K_balanced.transpose()).transpose();
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(K_columns.transpose());
+  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > kSingularPivot * pivots.maxCoeff())) return false;
+  const Eigen::MatrixXd found = -lu.solve(K_balanced.transpose()).transpose();
   if (!found.allFinite()) return false;
   C = found;
   return true;

@@ -109,9 +109,9 @@ class MusculoskeletalFrame {
   /// @pre of that shape and finite.
   void set_coupling(const Eigen::Ref<const Eigen::MatrixXd>& coupling) { coupling_ = coupling; }
   const Eigen::MatrixXd& used_coupling() const { return coupling_; }
-  /// C at this configuration. @param derivative of the last differentiate_residual.
+  /// C at this configuration. @param held of the last differentiate_held.
   /// @returns false, and C as it was, where K_αα is singular.
-  bool coupling(const Eigen::Ref<const Eigen::MatrixXd>& derivative, Eigen::Ref<Eigen::MatrixXd> C) const;
+  bool coupling(const Eigen::Ref<const Eigen::MatrixXd>& held, Eigen::Ref<Eigen::MatrixXd> C) const;
   /// Whether there is anything to recruit.
   bool recruits() const { return solver_.has_value(); }
   /// Instead of recruit: muscles carry their passive tension alone.
@@ -120,6 +120,8 @@ class MusculoskeletalFrame {
   /// @param others the columns' ∂Q_c, likewise. @pre dynamics, muscles and ligaments with derivatives and recruit were
   /// called with this configuration. It may be called again after another recruit.
   void differentiate_residual(const Eigen::Ref<const Eigen::MatrixXd>& others, Eigen::Ref<Eigen::MatrixXd> derivative);
+  /// The same at held f: what differentiate_residual begins with. @pre likewise.
+  void differentiate_held(const Eigen::Ref<const Eigen::MatrixXd>& others, Eigen::Ref<Eigen::MatrixXd> derivative);
   /// ∂f/∂q_c of the active forces (muscles, columns) of the last differentiate_residual [N/rad, N/m].
   const Eigen::MatrixXd& force_derivative() const { return force_rates_; }
   /// What came of it, in words. @pre recruit was called.
