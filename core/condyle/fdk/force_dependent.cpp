@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "condyle/fdk/substeps.hpp"
+
 namespace condyle::fdk {
 namespace {
 
@@ -101,28 +103,16 @@ class Search {
   bool in_substeps(const FrameInstant& goal, const Anchor& last) {
     problem_.use_coupling(first_coupling_);
     Unknowns here = last.alpha;
-    double done = 0.0, step = 0.5;
-    while (done < 1.0) {
-      const double t = std::min(1.0, done + step);
-      bool found = false;
-      if (t == 1.0) {
-        found = attempt(goal, here, Approach::kSubsteps, 0);
-      } else {
-        const FrameInstant part = between(last.instant, goal, t);
-        const NewtonResult result = newton(part, here);
-        held_ = nullptr;
-        found = result.converged();
-        if (found) here = result.alpha;
-      }
-      if (found) {
-        done = t;
-        step *= 2.0;
-        ++record_.substeps;
-      } else if ((step *= 0.5) * settings_.max_substeps < 1.0) {
-        return false;
-      }
-    }
-    return true;
+    const Substeps way = go_in_substeps(settings_.max_substeps, [&](double t) {
+      if (t == 1.0) return attempt(goal, here, Approach::kSubsteps, 0);
+      const FrameInstant part = between(last.instant, goal, t);
+      const NewtonResult result = newton(part, here);
+      held_ = nullptr;
+      if (result.converged()) here = result.alpha;
+      return result.converged();
+    });
+    record_.substeps = way.taken;
+    return way.reached;
   }
 
   bool from_softer_contact(const FrameInstant& goal, std::span<const Unknowns> starts) {

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "condyle/fdk/substeps.hpp"
+
 namespace condyle::fdk {
 namespace {
 
@@ -40,27 +42,17 @@ class Solver {
     return newton.converged();
   }
 
-  /// From `anchor` to `goal` in substeps that halve on failure and double on success.
+  /// From `anchor` to `goal` in substeps.
   bool continue_to(const GivenLoadsFrame& goal, const Anchor& anchor, GivenLoadsResult& result) {
     Pose here = anchor.pose;
-    double done = 0.0, step = 0.5;
-    const double least = 1.0 / settings_.max_substeps;
-    result.substeps = 0;
-    while (done < 1.0) {
-      const double t = std::min(1.0, done + step);
-      const bool found =
-          solve(t < 1.0 ? between(anchor.frame, goal, t) : goal, here, result);
-      if (found) {
-        here = result.pose;
-        done = t;
-        step *= 2.0;
-        ++result.substeps;
-      } else if ((step *= 0.5) < least) {
-        // Report the time frame that was asked for, not a substep of it.
-        return solve(goal, here, result);
-      }
-    }
-    return true;
+    const Substeps way = go_in_substeps(settings_.max_substeps, [&](double t) {
+      const bool found = solve(t < 1.0 ? between(anchor.frame, goal, t) : goal, here, result);
+      if (found) here = result.pose;
+      return found;
+    });
+    result.substeps = way.taken;
+    // Report the time frame that was asked for, not a substep of it.
+    return way.reached || solve(goal, here, result);
   }
 
   /// Everything at the pose found, computed once more there.

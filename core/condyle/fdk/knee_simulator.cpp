@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "condyle/fdk/substeps.hpp"
+
 namespace condyle::fdk {
 namespace {
 
@@ -56,26 +58,18 @@ class Simulator {
     return newton.converged();
   }
 
-  /// From `anchor` to `goal` in substeps that halve on failure and double on success.
+  /// From `anchor` to `goal` in substeps.
   bool continue_to(const Instant& goal, const Anchor& anchor, KneeFrame& frame) const {
-    Anchor here = anchor;
-    double done = 0.0, step = 0.5;
-    const double least = 1.0 / settings_.max_substeps;
-    frame.substeps = 0;
-    while (done < 1.0) {
-      const double t = std::min(1.0, done + step);
-      const Instant target = t < 1.0 ? between(anchor.instant, goal, t) : goal;
-      if (solve(target, here.pose, frame)) {
-        here = {frame.pose, target};
-        done = t;
-        step *= 2.0;
-        ++frame.substeps;
-      } else if ((step *= 0.5) < least) {
-        // Report the time frame that was asked for, not a substep of it.
-        return solve(goal, here.pose, frame);
-      }
-    }
-    return true;
+    Pose here = anchor.pose;
+    const Substeps way = go_in_substeps(settings_.max_substeps, [&](double t) {
+      const bool found =
+          solve(t < 1.0 ? between(anchor.instant, goal, t) : goal, here, frame);
+      if (found) here = frame.pose;
+      return found;
+    });
+    frame.substeps = way.taken;
+    // Report the time frame that was asked for, not a substep of it.
+    return way.reached || solve(goal, here, frame);
   }
 
   void finish(bool converged, KneeFrame& frame) const {
