@@ -68,14 +68,14 @@ void bind_surrogate(nb::module_& m) {
       .def_prop_ro("file", &OnnxContactModel::file, "The file that was read.");
   nb::class_<HybridContactModel, contact::ContactModel>(
       m, "HybridContactModel",
-      "A surrogate where it may be trusted, the reference where it may not.")
+      "The surrogate from trust 0.75 on, the reference below 0.5, a continuous blend in between.")
       .def(nb::init<std::shared_ptr<const contact::ContactModel>,
                     std::shared_ptr<const contact::ContactModel>>(),
            "surrogate"_a, "reference"_a)
       .def_prop_ro("reference_calls", &HybridContactModel::reference_calls,
-                   "Poses that the reference was called for, since the beginning.")
+                   "Poses that the reference was called for, alone or blended, from the beginning.")
       .def_prop_ro("log", &logged_calls, nb::rv_policy::move,
-                   "(poses (n, 6), trust (n,)) of the first of them, in order.");
+                   "(poses (n, 6), the surrogate's trust (n,)) of the first of them, in order.");
 }
 
 }  // namespace condyle::bindings

@@ -167,12 +167,14 @@ def stress_path(surrogate, model, box) -> None:
     truth = np.asarray(model.evaluate(poses, Derivatives.none, 0).wrench)
     found = hybrid.evaluate(poses, Derivatives.none, 0)
     bound = np.asarray(surrogate.evaluate(poses, Derivatives.none, 0).error)
-    referred = np.asarray(surrogate.evaluate(poses, Derivatives.none, 0).trust) < 0.5
+    referred = np.asarray(surrogate.evaluate(poses, Derivatives.none, 0).trust) < 0.75
     loaded = truth[:, :, FY] > 0
     beyond = (np.abs(found.wrench - truth) > bound)[loaded]
     mine = loaded & ~referred[:, None]
     own = (np.abs(np.asarray(found.wrench) - truth) > bound)[mine]
-    print(f"\nstress path: {len(poses)} poses, {referred.mean():.1%} by the reference")
+    print(
+        f"\nstress path: {len(poses)} poses, {referred.mean():.1%} by the reference or blended with it"
+    )
     print(
         f"loads beyond their bound: {beyond.mean():.2%} of hybrid's, {own.mean():.2%} of the surrogate's own among them"
     )

@@ -86,9 +86,11 @@ CONDYLE_API const char* condyle_last_error(void);
 CONDYLE_API condyle_status condyle_create(const char* path, const char* runtime,
                                           condyle_model** model);
 
-/* The same, with a reference that is called wherever the surrogate's trust is below 0.5. Its loads
- * are then the result, with error 0 and trust 1. `user_data` is handed to it as it is; the caller
- * keeps it alive as long as the model. Refused for a file that has the wrench alone. */
+/* The same, with a reference that is called wherever the surrogate's trust is below 0.75. Below 0.5
+ * its loads are the result, with error 0 and trust 1. In between the result goes continuously from
+ * the one's loads to the other's: wrench, error and trust are blended, the stiffness is the blend's
+ * derivative. `user_data` is handed to it as it is; the caller keeps it alive as long as the model.
+ * Refused for a file that has the wrench alone. */
 CONDYLE_API condyle_status condyle_create_hybrid(const char* path, const char* runtime,
                                                  condyle_reference reference, void* user_data,
                                                  condyle_model** model);

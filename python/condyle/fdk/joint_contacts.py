@@ -77,8 +77,8 @@ def tibiofemoral_contact(
         surfaces: as :func:`condyle.model.surface_files` finds them; the insert is one mesh, split at z = 0.
         joint: which of them.
         side_of_body: of the knee.
-        kind: ``surrogate`` needs no meshes, the others do; ``hybrid`` is the surrogate with ``fast`` where it does
-            not trust itself.
+        kind: ``surrogate`` needs no meshes, the others do; ``hybrid`` is the surrogate, ``fast`` where it does not
+            trust itself, and a blend in between.
         settings: of the meshes' own contact.
         surrogate: for ``surrogate`` and ``hybrid``; where meshes are at hand it has to be of these.
         pressures: make a reference for them, ``exact`` beside a surrogate. None: where meshes are at hand.

@@ -159,8 +159,8 @@ class SimulateSection(Section):
     """What the activities are simulated with, beside the reference contact.
 
     Attributes:
-        contact: ``surrogate``; ``hybrid``, the surrogate where its trust is at least 0.5 and elsewhere the reference;
-            or both.
+        contact: ``surrogate``; ``hybrid``, the surrogate where its trust is high, the reference where it is low, a
+            blend between; or both.
     """
 
     contact: Annotated[tuple[Literal["surrogate", "hybrid"], ...], Field(min_length=1)] = (

@@ -8,8 +8,8 @@ takes SI in and gives SI out, and any ONNX runtime can evaluate it. This package
 C++ core: by kernels of its own where they know the file's graph (runtime ``fused``), else through
 the shared library of the ``onnxruntime`` wheel (or the one named by the environment variable
 ``CONDYLE_ONNXRUNTIME``). torch is not needed. :class:`HybridContactModel` takes the reference where
-the surrogate says that it is not to be trusted, and counts how often. :func:`model_card` says what
-a file is of and how good it is.
+the surrogate says that it is not to be trusted, blends the two where it is nearly so, and counts how
+often. :func:`model_card` says what a file is of and how good it is.
 """
 
 from condyle.surrogate.card import card_markdown, model_card, write_model_card

@@ -136,6 +136,36 @@ TEST_CASE("a hybrid calls the reference where the surrogate is not to be trusted
   CHECK(last_error() == "reference is null");
 }
 
+TEST_CASE("where trust is between the levels a hybrid blends both loads [property]") {
+  const Model surrogate(kFull);
+  double pose[6], known[12], trust = 0.0, low = 0.0, high = 1.0;
+  // On the way from the domain's middle outwards trust falls from 1 to 0.
+  for (int bisections = 0; bisections < 60 && std::abs(trust - 0.62) > 0.05; ++bisections) {
+    const double way = (low + high) / 2.0;
+    for (int i = 0; i < 6; ++i) pose[i] = (1.0 - way) * kInside[i] + way * kFar[i];
+    REQUIRE(condyle_evaluate(surrogate.model, pose, known, nullptr, nullptr, &trust) == CONDYLE_OK);
+    (trust > 0.62 ? low : high) = way;
+  }
+  REQUIRE(trust > 0.55);
+  REQUIRE(trust < 0.7);
+  int called = 0;
+  condyle_model* hybrid = nullptr;
+  REQUIRE(condyle_create_hybrid(kFull.c_str(), nullptr, constant_reference, &called, &hybrid) ==
+          CONDYLE_OK);
+  double found[12], error[12], blended = 0.0;
+  REQUIRE(condyle_evaluate(hybrid, pose, found, nullptr, error, &blended) == CONDYLE_OK);
+  CHECK(called == 1);
+  const double s = 4.0 * trust - 2.0, weight = s * s * (3.0 - 2.0 * s);
+  for (int i = 0; i < 12; ++i) {
+    const double reference = 100.0 * pose[0] + i;
+    CHECK(found[i] ==
+          doctest::Approx(reference + weight * (known[i] - reference)).epsilon(1e-12));
+    CHECK(error[i] > 0.0);
+  }
+  CHECK(blended == doctest::Approx(1.0 - weight * (1.0 - trust)).epsilon(1e-12));
+  condyle_destroy(hybrid);
+}
+
 TEST_CASE("a caller's mistakes are statuses, each with its reason [error]") {
   const Model m(kFull);
   double wrench[12], stiffness[72];
