@@ -115,6 +115,20 @@ def simulate(
             rich_help_panel=_PANEL,
         ),
     ] = None,
+    map_at: Annotated[
+        list[float] | None,
+        typer.Option(
+            metavar="T",
+            help="Draw the pressure map of the insert at this time, s; give several.",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None,
+    map_vtp: Annotated[
+        bool,
+        typer.Option(
+            "--map-vtp", help="These maps for ParaView, too, as VTP.", rich_help_panel=_PANEL
+        ),
+    ] = False,
     force_tolerance: solver_options.ForceTolerance = None,
     moment_tolerance: solver_options.MomentTolerance = None,
     max_iterations: solver_options.MaxIterations = None,
@@ -172,6 +186,8 @@ def simulate(
         plausible_depth=1e-3 * plausible_depth_mm,
         cache=cache,
         pressures=pressures,
+        map_at=tuple(map_at or ()),
+        map_vtp=map_vtp,
     )
     settings = solver_options.solver_settings(
         force_tolerance=force_tolerance,

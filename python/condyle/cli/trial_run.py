@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from condyle.cli import simulation_words, trial_options
+from condyle.cli import simulation_words, trial_maps, trial_options
 from condyle.cli.model_words import tell_passed_by
 from condyle.errors import InputDataError
 
@@ -67,6 +67,8 @@ class WantedContacts:
     plausible_depth: float
     cache: Path | None
     pressures: bool | None
+    map_at: tuple[float, ...] = ()
+    map_vtp: bool = False
 
 
 def run_trial(
@@ -87,6 +89,7 @@ def run_trial(
     joint = joint_surfaces(model, femur=wanted.femur, insert=wanted.insert, patella=wanted.patella)
     began = time.perf_counter()
     contacts = _contacts(files, wanted, surfaces, joint)
+    mapped = trial_maps.frames_of(trial, wanted.map_at, contacts[0])
     prepared = time.perf_counter()
     simulation_words.tell_start(trial, len(model.force_dependent), contacts)
     simulation = simulate_trial(
@@ -104,6 +107,8 @@ def run_trial(
     written = write_trial_simulation(
         output, model, trial, simulation, contacts, muscles, settings, inputs, pressures
     )
+    if mapped:
+        written += trial_maps.draw_maps(output, simulation, contacts[0], mapped, vtp=wanted.map_vtp)
     scaled = scaled_residuals(model, simulation, settings)
     simulation_words.tell_result(output, written, simulation)
     simulation_words.tell_peaks(simulation, contacts, pressures)

@@ -94,6 +94,15 @@ def test_the_same_bytes_again_and_on_more_threads(simulate, tmp_path):
             assert file.read_bytes() == (tmp_path / "b" / file.name).read_bytes(), file.name
 
 
+def test_pressure_maps_at_the_times_asked_for(simulate, tmp_path):
+    out = tmp_path / "out"
+    done = simulate(*trial(out, "--map-at", 0.5, "--map-at", 0.561, "--map-vtp"))
+    assert done.exit_code == 0, done.output
+    assert (out / "tibiofemoral_pressure_map.png").read_bytes().startswith(b"\x89PNG")
+    assert {f.name for f in out.glob("pressure_*")} == {"pressure_0.500", "pressure_0.560"}
+    assert (out / "pressure_0.560" / "insert_medial.vtp").is_file()
+
+
 def test_solver_options_arrive(simulate, tmp_path):
     options = {
         "force-tolerance": 0.37, "moment-tolerance": 0.021, "max-iterations": 33, "max-newton-step-mm": 1.7,
@@ -277,6 +286,8 @@ def refused(legs, monkeypatch, capsys):
         ([*trial("x", "--criterion", "cubic")], "--criterion cubic: must be a power"),
         ([*trial("x", "--plausible-depth-mm", "0")], "plausible_depth"),
         ([*trial("x", "--from", "7")], "no time frame from 7 s"),
+        ([*trial("x", "--map-at", "7")], "no time frame at 7 s; the trial has 0.5 to 0.58 s"),
+        ([*trial("x", "--map-at", "0.5", "--no-pressures")], "--map-at needs the meshes of the knee"),
         (["leg.json", "motion.sto", "-o", "x", "--side-of-body", "right"],
          "surface 'femoral_component' (femur.stl) needs body and placement of a mesh in Condyle's axes"),
     ],
