@@ -16,10 +16,12 @@ from condyle.cli.model_words import (
     say,
     tell_failed,
     tell_force_dependent,
+    tell_hinge,
     tell_passed_by,
     tell_summary,
 )
 from condyle.errors import InputDataError
+from condyle.whole_files import write_whole
 
 if TYPE_CHECKING:
     from condyle.model import MusculoskeletalModel, Trial, TrialAnalysis
@@ -100,6 +102,40 @@ def analyse(
     tell_passed_by(found.wraps_ignored, given=paths is not None)
     if tell_failed(found):
         raise typer.Exit(_NUMERICS_FAILED)
+
+
+@app.command("hinge-patella")
+def hinge(
+    model: ModelFile,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE.json", help="Model file to write.")
+    ],
+    meshes: trial_options.Meshes = None,
+    femur: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Surface of the femoral component.")
+    ] = None,
+    insert: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Surface of the insert: says the tibia.")
+    ] = None,
+    patella: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Surface of the patellar button.")
+    ] = None,
+    stiffness: Annotated[
+        float, typer.Option(metavar="N/M", help="Of the patellar ligament.")
+    ] = 1.187e6,
+) -> None:
+    """Puts a patella of six force-dependent coordinates on a hinge, held by a linear patellar ligament.
+
+    As in Marra et al. 2017. The hinge is the axis of a cylinder fitted to the trochlea of the femoral component's mesh
+    (docs/simulation.md). Surfaces are found as `condyle simulate` finds them.
+    """
+    from condyle.model import MusculoskeletalModel, hinge_patella, joint_surfaces, surface_files
+
+    read = MusculoskeletalModel.read(model)
+    joint = joint_surfaces(read, femur=femur, insert=insert, patella=patella)
+    hinged = hinge_patella(read, surface_files(read, meshes or []), joint, stiffness=stiffness)
+    write_whole(output, hinged.text())
+    tell_hinge(output, joint, hinged)
 
 
 @app.command()

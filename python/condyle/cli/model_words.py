@@ -3,13 +3,21 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from condyle.cli.console import console, errors
 
 if TYPE_CHECKING:
-    from condyle.model import ModelSummary, MusculoskeletalModel, Trial, TrialAnalysis
+    from condyle.model import (
+        HingedPatella,
+        JointSurfaces,
+        ModelSummary,
+        MusculoskeletalModel,
+        Trial,
+        TrialAnalysis,
+    )
 
 #: Names of a group, or time frames, that the screen shows; files have them all.
 _SHOWN = 8
@@ -77,6 +85,31 @@ def tell_force_dependent(model: MusculoskeletalModel, trial: Trial) -> None:
         )
     if trial.at_default:
         say(f"without a column, at their default: {', '.join(trial.at_default)}")
+
+
+def tell_hinge(file: Path, joint: JointSurfaces, hinged: HingedPatella) -> None:
+    """The hinge and what it was fitted to, the patella at rest on it, its ligament."""
+    fit, seat, coordinates = hinged.trochlea.cylinder, hinged.seat, hinged.coordinates
+    axis, centre = (", ".join(f"{x:.4f}" for x in v) for v in (fit.axis, 1e3 * fit.centre))
+    say(f"{file}: {joint.patella} on a hinge of {joint.femur}, {coordinates.turn} turns about it")
+    say(
+        f"cylinder fitted to {fit.points} faces of the trochlea over {math.degrees(fit.arc):.1f}°: radius "
+        f"{1e3 * fit.radius:.2f} mm, RMS {1e3 * fit.rms:.3f} mm, largest distance {1e3 * fit.largest:.2f} mm"
+    )
+    say(f"its axis, in the mesh's frame: ({axis}) through ({centre}) mm")
+    say(
+        f"at rest the button is seated in the groove: {1e3 * seat.along:.2f} mm along the axis and "
+        f"{1e3 * seat.inwards:.2f} mm towards it from the default posture; over 60° of flexion it is up to "
+        f"{1e3 * seat.overlap:.2f} mm in the trochlea and {1e3 * seat.gap:.2f} mm off it"
+    )
+    say(
+        f"patellar ligament {hinged.ligament.name}: {hinged.stiffness:g} N/m, slack length "
+        f"{1e3 * hinged.slack_length:.2f} mm, in the place of {len(hinged.ligament.strands)} strands"
+    )
+    say(f"follow {coordinates.turn} and move nothing: {', '.join(coordinates.followers)}")
+    if hinged.contact_pairs:
+        say(f"contact left out: {', '.join(hinged.contact_pairs)}")
+    say("the patella's mass is on the femur")
 
 
 def tell_failed(found: TrialAnalysis) -> int:

@@ -12,6 +12,7 @@ muscles and ligaments.
 """
 
 from condyle.model.analysis_files import failed_frames, summarise_analysis, write_analysis
+from condyle.model.hinged_patella import HingedPatella, hinge_patella
 from condyle.model.joint_surfaces import JointSurfaces, joint_surfaces
 from condyle.model.model_summary import ModelSummary, summarise
 from condyle.model.musculoskeletal_model import MusculoskeletalModel
@@ -27,6 +28,7 @@ from condyle.model.trial_analysis import (
 )
 
 __all__ = [
+    "HingedPatella",
     "JointSurfaces",
     "ModelScene",
     "ModelSummary",
@@ -39,6 +41,7 @@ __all__ = [
     "TrialAnalysis",
     "analyse_trial",
     "failed_frames",
+    "hinge_patella",
     "joint_surfaces",
     "make_trial",
     "read_trial",
