@@ -7,10 +7,11 @@ simulator: flexion driven, the five other coordinates found from equilibrium at 
 
 :func:`simulate_trial` puts contact into a musculoskeletal model: from a recorded motion to secondary kinematics,
 muscle, ligament and contact forces; :func:`tibiofemoral_contact` and :func:`patellofemoral_contact` make its
-contacts, :func:`write_trial_simulation` its files. :func:`solve_given_loads` is for simulators of one's own: loads,
-moment arms and strengths in, secondary kinematics, muscle, ligament and contact forces out. :func:`seated_pose` and
-:func:`first_touch` say where contact begins. All take any contact model (reference, surrogate, hybrid) and assume it
-frictionless and quasi-static. Numerics that do not work out are a status, never an exception.
+contacts, :func:`write_trial_simulation` its files, :func:`simulate_alignments` runs it for many alignments of the
+implant. :func:`solve_given_loads` is for simulators of one's own: loads, moment arms and strengths in, secondary
+kinematics, muscle, ligament and contact forces out. :func:`seated_pose` and :func:`first_touch` say where contact
+begins. All take any contact model (reference, surrogate, hybrid) and assume it frictionless and quasi-static.
+Numerics that do not work out are a status, never an exception.
 """
 
 from condyle._core.fdk import (
@@ -29,6 +30,8 @@ from condyle._core.fdk import (
     TouchSearch,
     TrialSimulationSettings,
 )
+from condyle.fdk.alignment import Alignment, aligned_contacts, alignment_grid
+from condyle.fdk.alignments import AlignedSimulation, simulate_alignments
 from condyle.fdk.body_contact import BodyContact
 from condyle.fdk.contact_pressures import ContactPressures, contact_pressures
 from condyle.fdk.given_loads import GivenLoadsSimulation, solve_given_loads
@@ -50,6 +53,8 @@ from condyle.fdk.static_equilibrium import (
 from condyle.fdk.trial_simulation import TimeFrameRecord, TrialSimulation, simulate_trial
 
 __all__ = [
+    "AlignedSimulation",
+    "Alignment",
     "BodyContact",
     "ContactPressures",
     "EquilibriumStatus",
@@ -75,6 +80,8 @@ __all__ = [
     "TouchSearch",
     "TrialSimulation",
     "TrialSimulationSettings",
+    "aligned_contacts",
+    "alignment_grid",
     "contact_pressures",
     "default_ligaments",
     "first_touch",
@@ -82,6 +89,7 @@ __all__ = [
     "patellofemoral_contact",
     "seated_pose",
     "settled_pose",
+    "simulate_alignments",
     "simulate_knee",
     "simulate_trial",
     "solve_given_loads",
