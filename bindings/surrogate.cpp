@@ -72,6 +72,8 @@ void bind_surrogate(nb::module_& m) {
       .def(nb::init<std::shared_ptr<const contact::ContactModel>,
                     std::shared_ptr<const contact::ContactModel>>(),
            "surrogate"_a, "reference"_a)
+      .def_prop_ro("evaluations", &HybridContactModel::evaluations,
+                   "Poses that it was asked about, from the beginning.")
       .def_prop_ro("reference_calls", &HybridContactModel::reference_calls,
                    "Poses that the reference was called for, alone or blended, from the beginning.")
       .def_prop_ro("log", &logged_calls, nb::rv_policy::move,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <mutex>
@@ -38,6 +39,7 @@ double fraction(double trust) {
 }  // namespace
 
 struct HybridContactModel::Record {
+  std::atomic<std::uint64_t> evaluations = 0;
   mutable std::mutex mutex;
   std::uint64_t calls = 0;
   std::vector<Call> log;
@@ -115,6 +117,7 @@ ContactLoads HybridContactModel::with_reference(const Pose& pose, Derivatives de
 
 ContactLoads HybridContactModel::evaluate(const Pose& pose, Derivatives derivatives) const {
   const ContactLoads known = surrogate_->evaluate(pose, derivatives);
+  record_->evaluations.fetch_add(1, std::memory_order_relaxed);
   if (stands_alone(known)) return known;
   record(pose, known.trust);
   return with_reference(pose, derivatives, known);
@@ -123,6 +126,7 @@ ContactLoads HybridContactModel::evaluate(const Pose& pose, Derivatives derivati
 void HybridContactModel::evaluate_batch(std::span<const Pose> poses, Derivatives derivatives,
                                         int threads, std::span<ContactLoads> loads) const {
   surrogate_->evaluate_batch(poses, derivatives, threads, loads);
+  record_->evaluations.fetch_add(poses.size(), std::memory_order_relaxed);
   std::vector<std::size_t> unsure;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (stands_alone(loads[i])) continue;
@@ -135,6 +139,8 @@ void HybridContactModel::evaluate_batch(std::span<const Pose> poses, Derivatives
   };
   parallel_for(unsure.size(), threads, std::cref(body));
 }
+
+std::uint64_t HybridContactModel::evaluations() const { return record_->evaluations; }
 
 std::uint64_t HybridContactModel::reference_calls() const {
   const std::lock_guard lock(record_->mutex);

@@ -35,8 +35,8 @@ namespace condyle::surrogate {
 /// - `implausible_depth` is set where either sets it.
 /// A blend has no energy: on a closed path through the band its work is the surrogate's error.
 ///
-/// How often the reference was called (below the band and in it) is counted; the first poses are
-/// kept.
+/// Evaluations are counted, and how often the reference was called (below the band and in it); the
+/// first poses of these are kept.
 ///
 /// Thread safety: all const functions, as far as the two models allow it.
 class HybridContactModel final : public contact::ContactModel {
@@ -66,7 +66,9 @@ class HybridContactModel final : public contact::ContactModel {
   void evaluate_batch(std::span<const Pose> poses, contact::Derivatives derivatives, int threads,
                       std::span<contact::ContactLoads> loads) const override;
 
-  /// Poses that the reference was called for, since the beginning.
+  /// Poses that it was asked about, since the beginning.
+  std::uint64_t evaluations() const;
+  /// Those of them that the reference was called for.
   std::uint64_t reference_calls() const;
   /// The first of them, in the order of the calls.
   std::vector<Call> log() const;

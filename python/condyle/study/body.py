@@ -6,13 +6,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from condyle.errors import InputDataError
 from condyle.study.body_sections import BodySection, TrialSection
 from condyle.study.run_directory import digest_of_file
 
 if TYPE_CHECKING:
+    from condyle.contact import Mesh
     from condyle.conventions import SideOfBody
     from condyle.fdk import JointContact
     from condyle.model import (
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
         Trial,
     )
     from condyle.study.context import StudyContext
+
+#: Corners this near to each other are the same: single precision at a tenth of a metre is 1e-8 [m].
+_SAME: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -77,12 +83,34 @@ class StudyBody:
         from condyle.model.joint_surfaces import NO_PATELLA, joint_surfaces
 
         section = self.section
-        return joint_surfaces(
+        joint = joint_surfaces(
             self.model,
             femur=section.femur,
             insert=section.insert,
             patella=section.patella or NO_PATELLA,
         )
+        self._require_own_femur(joint)
+        return joint
+
+    def _require_own_femur(self, joint: JointSurfaces) -> None:
+        """A frame is that of its mesh: another femoral component's would put the study's somewhere else.
+
+        Raises:
+            InputDataError: the surface's mesh is not the study's; or there is none, and the patella needs one.
+        """
+        from condyle.contact import read_mesh
+
+        place = self.surfaces.get(joint.femur)
+        file = None if place is None else place.file
+        if file is None and joint.patella is None:
+            return
+        own = read_mesh(self.context.directory.implant / "femur.stl", "m")
+        if file is None or not _same_mesh(read_mesh(file, "m"), own):
+            found = "none is named" if file is None else f"{file} is another one"
+            raise InputDataError(
+                f"{self.section.surfaces}: the mesh of surface {joint.femur!r} must be the study's femoral component "
+                f"(implant.femur): {found}"
+            )
 
     @property
     def side_of_body(self) -> SideOfBody:
@@ -103,23 +131,11 @@ class StudyBody:
 
     @cached_property
     def patella(self) -> JointContact | None:
-        """The patella's contact, by the meshes; None: the model has none, or the study wants none.
-
-        Raises:
-            InputDataError: it would meet another femoral component than the study's.
-        """
-        from condyle.contact import content_hash, read_mesh
+        """The patella's contact, by the meshes; None: the study wants none."""
         from condyle.fdk import ReferenceSettings, patellofemoral_contact
 
         if self.joint.patella is None:
             return None
-        place = self.surfaces[self.joint.femur]
-        own = read_mesh(self.context.directory.implant / "femur.stl", "m")
-        if place.file is None or content_hash(read_mesh(place.file, "m")) != content_hash(own):
-            raise InputDataError(
-                f"{self.section.surfaces}: the mesh of surface {self.joint.femur!r} ({place.file}) is not the study's "
-                "femoral component (implant.femur): the patella would meet another one"
-            )
         contact = self.context.study.contact
         return patellofemoral_contact(
             self.surfaces,
@@ -157,16 +173,27 @@ class StudyBody:
         return {
             "model": self.model_file,
             "surfaces": self.section.surfaces,
+            "patella_mesh": self._patella_mesh(),
             "motion": self.motion_file(name, trial),
             "external_loads": trial.external_loads,
             "external_loads_table": external_loads_table(trial.external_loads),
             "paths": self.paths_file(name, trial),
         }
 
+    def _patella_mesh(self) -> Path | None:
+        place = None if self.section.patella is None else self.surfaces.get(self.section.patella)
+        return None if place is None else place.file
+
     def digests(self, name: str, trial: TrialSection) -> dict[str, str]:
         """Content of these files."""
         files = self.input_files(name, trial)
         return {what: digest_of_file(file) for what, file in files.items() if file is not None}
+
+
+def _same_mesh(one: Mesh, other: Mesh) -> bool:
+    """Whether two meshes have the same faces, to the rounding of file formats and units."""
+    a, b = (np.asarray(mesh.vertices)[np.asarray(mesh.faces)] for mesh in (one, other))
+    return a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=_SAME)
 
 
 def external_loads_table(file: Path | None) -> Path | None:

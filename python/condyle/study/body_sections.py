@@ -4,9 +4,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self, cast
 
-from pydantic import Field, model_validator
+from pydantic import (
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
 
 from condyle.study.section import Section
 
@@ -49,6 +55,16 @@ class BodySection(Section):
         """Whether the model comes from OpenSim."""
         return self.model.suffix == ".osim"
 
+    @field_validator("criterion", mode="wrap")
+    @classmethod
+    def _power_or_min_max(
+        cls, value: Any, check: ValidatorFunctionWrapHandler
+    ) -> float | Literal["min_max"]:
+        try:
+            return cast(float | Literal["min_max"], check(value))
+        except ValidationError:
+            raise ValueError(f'{value!r}: must be a power of 1 to 20, or "min_max"') from None
+
     @model_validator(mode="after")
     def _importing(self) -> Self:
         if not self.imported and (self.force_dependent or self.muscles is not None):
@@ -58,6 +74,14 @@ class BodySection(Section):
             )
         if self.ik_model is not None and self.ik_model.suffix != ".osim":
             raise ValueError(f"ik_model is {self.ik_model.name}: must be an .osim")
+        return self
+
+    @model_validator(mode="after")
+    def _each_surface_once(self) -> Self:
+        names = [name for name in (self.femur, self.insert, self.patella) if name is not None]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"femur, insert and patella: {name!r} is named twice")
         return self
 
 

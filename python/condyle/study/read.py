@@ -99,9 +99,16 @@ def _describe(error: Any) -> str:
 
 
 def _written(location: tuple[Any, ...]) -> list[Any]:
-    """The keys as the file has them: pydantic puts a table's kind into the path to its parameters."""
+    """The keys as the file has them.
+
+    Pydantic puts a table's kind into the path to its parameters, and ``[key]`` after a key that is wrong itself.
+    """
     before = (None, *location)
-    return [part for part, last in zip(location, before, strict=False) if last not in _KINDS]
+    return [
+        part
+        for part, last in zip(location, before, strict=False)
+        if last not in _KINDS and part != "[key]"
+    ]
 
 
 def _known(location: tuple[Any, ...]) -> list[str]:

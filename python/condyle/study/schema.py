@@ -245,6 +245,8 @@ class Study(Section):
         unused = sorted(
             self.model_fields_set
             & {"activities", "body", "contact", "implant", "simulate", "simulator", "trials"}
+            # Where there are trials, whoever wrote the study need not have named any.
+            - (set() if self.activities else {"activities"})
         )
         if self.sampling.dataset is not None and unused:
             raise ValueError(

@@ -257,6 +257,7 @@ TEST_CASE("calls in the band count, and a batch is the same as one by one [prope
   for (const Pose& pose : poses) {
     alone.push_back(knee.hybrid.evaluate(pose, Derivatives::kStiffness));
   }
+  CHECK(knee.hybrid.evaluations() == poses.size());
   CHECK(knee.hybrid.reference_calls() == trusts.size());
   CHECK(knee.reference->calls == static_cast<int>(trusts.size()));
   for (const int threads : {1, 3}) {
@@ -269,6 +270,7 @@ TEST_CASE("calls in the band count, and a batch is the same as one by one [prope
                loads[i].error != alone[i].error || loads[i].trust != alone[i].trust;
     }
     CHECK(wrong == 0);
+    CHECK(other.evaluations() == poses.size());
     CHECK(other.reference_calls() == trusts.size());
     const auto log = other.log();
     REQUIRE(log.size() == trusts.size());

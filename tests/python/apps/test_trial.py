@@ -15,7 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fdk"))
 
-from leg_model import FORCE_DEPENDENT, Leg, write_leg, write_table
+from leg_model import FORCE_DEPENDENT, Leg, add_button, write_leg, write_table
 
 from condyle._core import io
 from condyle.whole_files import content_hash
@@ -32,15 +32,7 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 def leg(tmp_path_factory: pytest.TempPathFactory) -> Leg:
     """A right leg of five time frames, with a third surface that the femur meets as a patella's would."""
     made = write_leg(tmp_path_factory.mktemp("leg"), frames=5, mesh_edge=2e-3)
-    insert = made.content["contact_surfaces"][1]
-    frame = dict(insert["frame"])
-    # 0.2 mm below the insert, and moved and turned: it carries some of the load.
-    frame["translation"] = np.add(frame["translation"], [1e-4, -2e-4, 2e-4]).tolist()
-    frame["orientation_xyz"] = [0.022, 0.008, -0.031]
-    made.content["contact_surfaces"].append(
-        {"name": "button", "mesh": "insert.stl", "frame": frame}
-    )
-    made.model.write_text(json.dumps(made.content), encoding="utf-8")
+    add_button(made)
     return made
 
 

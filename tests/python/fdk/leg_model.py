@@ -87,6 +87,16 @@ def write_leg(folder, side_of_body="right", frames=9, reaction=650.0, mesh_edge=
     return Leg(folder, folder / "leg.json", folder / "motion.sto", folder / "floor.xml", content)
 
 
+def add_button(leg, mesh="insert.stl"):
+    """A third surface, ``button``, that the femur meets as it would a patella's: of a right leg."""
+    frame = dict(leg.content["contact_surfaces"][1]["frame"])
+    # 0.2 mm below the insert, and moved and turned: it carries some of the load.
+    frame["translation"] = np.add(frame["translation"], [1e-4, -2e-4, 2e-4]).tolist()
+    frame["orientation_xyz"] = [0.022, 0.008, -0.031]
+    leg.content["contact_surfaces"].append({"name": "button", "mesh": mesh, "frame": frame})
+    leg.model.write_text(json.dumps(leg.content, indent=1), encoding="utf-8")
+
+
 def write_table(file, names, times, data):
     table = io.make_motion(file.stem, names, times, np.ascontiguousarray(data), False)
     io.write_motion(table, file)

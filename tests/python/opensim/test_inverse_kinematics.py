@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
-from forward_kinematics import placements, point_in_ground
+from recordings import marker_positions, slow_swing, write_trc
 
 from condyle.errors import InputDataError
-from condyle.opensim import import_model, inverse_kinematics, write_coordinates
+from condyle.opensim import inverse_kinematics, write_coordinates
 from condyle.opensim.markers import read_markers
 from condyle.opensim.motion import read_motion
 
@@ -13,41 +13,11 @@ FINE = {"accuracy": 1e-9}
 
 
 @pytest.fixture
-def recording(models, rng):
+def recording(models):
     """Names, times (T) and positions (T, n, 3) [m] of the leg's markers in a slow motion, and its coordinates."""
-    model = import_model(models["leg"])
-    times = np.arange(30) / 100.0
-    phase = 2 * np.pi * times / 0.6
-    q = {
-        "hip_flex": 0.4 + 0.3 * np.sin(phase),
-        "knee_flex": 0.6 + 0.4 * np.cos(phase),
-        "knee_shift": 0.01 + 0.005 * np.sin(phase + 1),
-    }
-    defaults = {c["name"]: c["default"] for c in model["coordinates"]}
-    positions = []
-    for i in range(len(times)):
-        placed = placements(model, defaults | {name: values[i] for name, values in q.items()})
-        row = [point_in_ground(placed, m["body"], m["location"]) for m in model["markers"]]
-        positions.append(row)
-    return [m["name"] for m in model["markers"]], times, np.array(positions), q
-
-
-def write_trc(file, names, times, positions, unit="mm"):
-    scale = {"m": 1.0, "mm": 1e3}[unit]
-    rate = 1.0 / (times[1] - times[0]) if len(times) > 1 else 100.0
-    head = [
-        f"PathFileType\t4\t(X/Y/Z)\t{file.name}",
-        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames",
-        f"{rate}\t{rate}\t{len(times)}\t{len(names)}\t{unit}\t{rate}\t1\t{len(times)}",
-        "Frame#\tTime\t" + "\t\t\t".join(names) + "\t\t",
-        "\t\t" + "\t".join(f"{a}{i + 1}" for i in range(len(names)) for a in "XYZ"),
-        "",
-    ]
-    for i, (time, row) in enumerate(zip(times, positions, strict=True)):
-        cells = ["" if np.isnan(v) else f"{scale * v:.9f}" for v in row.ravel()]
-        head.append("\t".join([str(i + 1), f"{time:.9f}", *cells]))
-    file.write_text("\n".join(head) + "\n", encoding="utf-8")
-    return file
+    times, q = slow_swing()
+    names, positions = marker_positions(models["leg"], times, q)
+    return names, times, positions, q
 
 
 def test_the_motion_that_made_the_markers_is_found(models, recording, tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stage_log import StageLog
 
 from condyle.errors import CondyleError
 from condyle.study import Study, StudyRun
@@ -33,28 +34,8 @@ SMALL = {
 }
 
 
-class Log:
-    """A reporter that remembers which stages ran and which were skipped."""
-
-    def __init__(self) -> None:
-        self.ran: list[str] = []
-        self.unchanged: list[str] = []
-
-    def stage(self, name: str, text: str) -> None:
-        self.ran.append(name)
-
-    def skipped(self, name: str) -> None:
-        self.unchanged.append(name)
-
-    def progress(self, task: str, fraction: float, note: str) -> None:
-        assert 0.0 <= fraction <= 1.0
-
-    def finished(self, name: str, text: str) -> None:
-        assert self.ran[-1] == name
-
-
-def run(runs: Path, until: str = "evaluate", **changes: object) -> tuple[Log, Path]:
-    log = Log()
+def run(runs: Path, until: str = "evaluate", **changes: object) -> tuple[StageLog, Path]:
+    log = StageLog()
     study = Study.model_validate(SMALL | changes)
     StudyRun(study, runs, threads=2, reporter=log).run(until)
     return log, runs / study.name
@@ -201,7 +182,7 @@ def test_a_hybrid_whose_surrogate_is_nowhere_trusted_is_the_reference(runs, tmp_
     root = copied(runs, tmp_path) / "small"
     without_trust(root / "surrogate.onnx")
     study = Study.model_validate(SMALL | {"simulate": {"contact": ["hybrid"]}})
-    log = Log()
+    log = StageLog()
     assert simulate.run(StudyRun(study, tmp_path, threads=1, reporter=log).context)
     times = json.loads((root / "tables" / "times.json").read_text())
     assert [row["contact"] for row in times] == ["hybrid", "hybrid"]

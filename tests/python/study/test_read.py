@@ -50,8 +50,8 @@ def test_paths_are_relative_to_the_study(tmp_path):
         ),
         (
             "nme = 'a'\n",
-            "nme: unknown key (value 'a'); known: activities, contact, implant, name, sampling, simulate, simulator, "
-            "training",
+            "nme: unknown key (value 'a'); known: activities, body, contact, implant, name, sampling, simulate, "
+            "simulator, training, trials",
         ),
         (
             "[contact]\nlaw = {kind = 'linear_volume', modulus = -1.0}\n",
@@ -228,3 +228,95 @@ def test_results_depend_on_a_tables_points_and_not_on_the_law_for_pressures(tmp_
     assert canonical(pressures) == first
     (tmp_path / "a.csv").write_text("depth_mm,pressure_MPa\n0,0\n0.25,4\n")
     assert canonical("law = {kind = 'table', file = 'a.csv'}") != first
+
+
+BODY = """[body]
+model = "leg.json"
+surfaces = "where.json"
+femur = "condyles"
+insert = "tray"
+"""
+TRIAL = """[trials.stand]
+motion = "stand.sto"
+"""
+MARKERS = """[trials.walk]
+markers = "walk.trc"
+"""
+
+
+def test_a_study_of_trials_has_them_alone_and_finds_their_files(tmp_path):
+    osim = BODY.replace("leg.json", "leg.osim")
+    found = read_study(study(tmp_path, osim + TRIAL + MARKERS + 'marker_weights = "ik.xml"\n'))
+    assert found.activities == ()
+    assert list(found.trials) == ["stand", "walk"]
+    assert found.body.model == tmp_path / "leg.osim" and found.body.imported
+    assert found.body.surfaces == tmp_path / "where.json"
+    assert found.trials["stand"].motion == tmp_path / "stand.sto"
+    walk = found.trials["walk"]
+    assert (walk.markers, walk.marker_weights) == (tmp_path / "walk.trc", tmp_path / "ik.xml")
+    both = read_study(study(tmp_path, 'activities = ["squat_like"]\n' + BODY + TRIAL))
+    assert both.activities == ("squat_like",)
+    names = '[sampling]\ncurves = {kind = "activities", names = ["stand"]}\n'
+    assert read_study(study(tmp_path, BODY + TRIAL + names)).sampling.curves.names == ("stand",)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (BODY, "body needs trials: trials are of a body"),
+        (TRIAL, "trials needs body: trials are of a body"),
+        ("trials = {}\n" + BODY, "body needs trials"),
+        (BODY + "reserve = 3\n" + TRIAL,
+         "body.reserve: unknown key (value 3); known: criterion, femur, force_dependent, ik_model, insert, model, "
+         "muscles, patella, reserve_Nm, strength, surfaces"),
+        (BODY + TRIAL + "strat_s = 1\n",
+         "trials.stand.strat_s: unknown key (value 1); known: end_s, external_loads, filter_hz, marker_weights, "
+         "markers, motion, negligible_force_N, paths, start_s"),
+        (BODY + TRIAL + "markers = 'm.trc'\n", "trials.stand: give either motion or markers"),
+        (BODY + "[trials.stand]\n", "trials.stand: give either motion or markers"),
+        (BODY + TRIAL + "marker_weights = 'w.xml'\n", "trials.stand: marker_weights goes with markers"),
+        (BODY + MARKERS + "paths = 'p.json'\n", "trials.walk: paths does not go with markers"),
+        (BODY + MARKERS, "trials.walk.markers needs body.ik_model, an .osim"),
+        (BODY + TRIAL + "start_s = 3\nend_s = 2\n", "trials.stand: start_s is 3: must be below end_s, 2"),
+        (BODY + TRIAL + "negligible_force_N = -1\n", "trials.stand.negligible_force_N = -1: input should be greater"),
+        (BODY + '[trials."a/b"]\nmotion = "m.sto"\n', "trials.a/b = 'a/b': string should match pattern"),
+        ('activities = ["squat_like"]\n' + BODY + TRIAL.replace("stand", "squat_like"),
+         "trials.squat_like: an activity has that name"),
+        ('activities = ["falls/stand.csv"]\n' + BODY + TRIAL, "trials.stand: an activity has that name"),
+        (BODY + TRIAL + '[sampling]\ncurves = {kind = "activities", names = ["sit"]}\n',
+         "sampling.curves.names: 'sit' is none of the study's activities: stand"),
+        ('[sampling]\ncurves = {kind = "activities", names = ["stand"]}\n',
+         "sampling.curves.names: 'stand' is none of the study's activities: iso_like_gait, "),
+        (BODY + "ik_model = 'ik.json'\n" + TRIAL, "body: ik_model is ik.json: must be an .osim"),
+        (BODY + "force_dependent = ['knee_*']\n" + TRIAL,
+         "body: force_dependent is for an .osim: a model file says it itself (leg.json)"),
+        (BODY + "muscles = ['knee_*']\n" + TRIAL, "body: muscles is for an .osim"),
+        (BODY + "patella = 'tray'\n" + TRIAL, "body: femur, insert and patella: 'tray' is named twice"),
+        (BODY.replace('femur = "condyles"\n', "") + TRIAL, "body.femur: is missing"),
+        (BODY + "criterion = 'max'\n" + TRIAL, "body.criterion: 'max': must be a power of 1 to 20, or \"min_max\""),
+        (BODY + "criterion = 0.5\n" + TRIAL, "body.criterion: 0.5: must be a power of 1 to 20"),
+        (BODY + "reserve_Nm = -1\n" + TRIAL, "body.reserve_Nm = -1: input should be greater than or equal to 0"),
+        ('[sampling]\ndataset = "d"\n' + BODY + TRIAL, "body does not go with sampling.dataset"),
+    ],
+)  # fmt: skip
+def test_mistakes_with_a_body_are_named(tmp_path, text, said):
+    file = study(tmp_path, text)
+    with pytest.raises(InputDataError) as caught:
+        read_study(file)
+    message = str(caught.value)
+    assert message.startswith(f"{file}: ")
+    assert said in message
+    assert "\n" not in message
+
+
+def test_the_example_with_trials_is_valid():
+    found = read_study(Path(__file__).parents[3] / "docs" / "examples" / "dm_trials.toml")
+    assert list(found.trials) == ["gait", "gait_bouncy", "gait_smooth", "crouch"]
+    assert found.body.imported and found.body.patella == "patella_implant"
+
+
+def test_the_trials_that_the_docs_show_are_valid(tmp_path):
+    page = Path(__file__).parents[3] / "docs" / "simulation.md"
+    (block,) = re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    found = read_study(study(tmp_path, block))
+    assert list(found.trials) == ["gait"] and found.activities == ()

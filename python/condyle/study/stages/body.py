@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import Any, Final
 
 import condyle
+from condyle.errors import InputDataError
 from condyle.study.body import StudyBody
 from condyle.study.body_sections import BodySection, TrialSection
 from condyle.study.context import StudyContext
 from condyle.study.run_directory import digest_of_file
+from condyle.whole_files import write_whole
 
 #: Markers are followed for so long before and after a trial's window: a filter needs a run-up [s].
 _RUN_UP_S: Final = 0.5
@@ -23,13 +25,14 @@ _RUN_UP_S: Final = 0.5
 def run(context: StudyContext) -> bool:
     """Makes the files."""
     study, body = context.study, context.body
-    files = [body.section.model, body.section.ik_model]
-    for trial in study.trials.values():
-        files += [trial.markers, trial.marker_weights, trial.motion]
+    _require_files("body", body.section)
+    for name, trial in study.trials.items():
+        _require_files(f"trials.{name}", trial)
+    section = body.section
     inputs = {
-        **_without_files(body.section, "section"),
-        "trials": {name: _without_files(t, "section") for name, t in study.trials.items()},
-        "files": [digest_of_file(file) for file in files if file is not None],
+        "model": digest_of_file(section.model),
+        "roles": [section.force_dependent, section.muscles],
+        "trials": {name: _trial_inputs(section, trial) for name, trial in study.trials.items()},
         "version": condyle.__version__,
     }
 
@@ -51,19 +54,39 @@ def run(context: StudyContext) -> bool:
     return context.directory.run_stage("body", inputs, work)
 
 
-def _without_files(section: BodySection | TrialSection, name: str) -> dict[str, Any]:
-    """A section's values; files count by their content, which stands elsewhere."""
-    values = section.model_dump(mode="json")
-    kept = {
-        key: value for key, value in values.items() if not isinstance(getattr(section, key), Path)
-    }
-    return {name: kept}
+def _require_files(label: str, section: BodySection | TrialSection) -> None:
+    """Raises InputDataError naming the key of a file that is not there."""
+    for key in type(section).model_fields:
+        file = getattr(section, key)
+        if isinstance(file, Path) and not file.is_file():
+            raise InputDataError(f"{label}.{key}: {file}: no such file")
+
+
+def _trial_inputs(body: BodySection, trial: TrialSection) -> dict[str, Any]:
+    """What decides a trial's files that are made here: nothing else starts inverse kinematics again."""
+    inputs: dict[str, Any] = {}
+    if trial.markers is not None:
+        files = {
+            "ik_model": body.ik_model or body.model,
+            "markers": trial.markers,
+            "marker_weights": trial.marker_weights,
+        }
+        inputs |= {what: digest_of_file(file) for what, file in files.items() if file is not None}
+        inputs["window"] = [trial.start_s, trial.end_s, trial.filter_hz]
+    if body.imported and trial.paths is None:
+        inputs["paths_of"] = "markers" if trial.motion is None else digest_of_file(trial.motion)
+    return inputs
 
 
 def _make_model(body: StudyBody) -> str:
     section = body.section
     if not section.imported:
-        body.model_file.write_bytes(section.model.read_bytes())
+        from condyle.model import MusculoskeletalModel
+
+        MusculoskeletalModel.read(
+            section.model
+        )  # says what is wrong with the user's file, not with the copy
+        write_whole(body.model_file, section.model.read_bytes())
         return f"{section.model.name} as it is"
     from condyle.opensim import import_model, summary, write_model
 

@@ -109,7 +109,10 @@ def _simulate(
             "surrogate_s": outcome.seconds,
             "reference_phases_s": directory.read_table("reference_phases")[name],
             "phases_s": outcome.phases,
-            "evaluations": int(simulation.evaluations.sum()),
+            # A hybrid counts those for a trial's start, too; so are the reference's counted.
+            "evaluations": int(simulation.evaluations.sum())
+            if hybrid is None
+            else hybrid.evaluations,
             "reference_evaluations": 0 if hybrid is None else hybrid.reference_calls,
             "untrusted_time_frames": int((simulation.trust < 0.5).sum()),
         }
