@@ -164,7 +164,7 @@ void add_simulate(CLI::App& program, int& exit_code) {
       ->check(CLI::PositiveNumber);
   command
       ->add_flag("--hybrid", options->hybrid,
-                 "The surrogate where it trusts itself, elsewhere the meshes; give both")
+                 "The surrogate where it trusts itself, else the meshes, blended between; give both")
       ->group("Implant as surrogate");
   command
       ->add_option("--reference-calls", options->reference_calls,
