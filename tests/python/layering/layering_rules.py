@@ -100,6 +100,7 @@ CORE_WRAPPERS = {"contact", "fdk", "model", "recruitment", "surrogate", "activit
 #: Modules of other projects, and the only packages that may import them.
 PYTHON_THIRD_PARTY: dict[str, set[str]] = {
     "torch": {"training"},
+    "markdown_it": {"report"},
     "matplotlib": {"report"},
     "vtkmodules": {"report"},
     "vtk": {"report"},
