@@ -37,7 +37,7 @@ class Search {
     }
     first_coupling_ = problem_.frame().used_coupling();
     const bool found = from_starts(goal, starts) || (last != nullptr && in_substeps(goal, *last)) ||
-                       from_softer_contact(goal, starts);
+                       from_softer_contact(goal, starts) || uncoupled(goal, starts);
     finish(goal, found);
     // What the phases did not take is linear algebra.
     record_.seconds = problem_.seconds();
@@ -52,7 +52,7 @@ class Search {
   // Newton's iteration from the problem's present C.
   NewtonResult newton(const FrameInstant& instant, const Unknowns& start) {
     hold(instant);
-    problem_.follow_sharing(settings_.max_sharing_updates,
+    problem_.follow_sharing(uncoupled_ ? 0 : settings_.max_sharing_updates,
                             settings_.sharing_tolerance * settings_.newton.force_tolerance,
                             settings_.sharing_tolerance * settings_.newton.moment_tolerance);
     return count(numerics::solve_newton(problem_, start, settings_.newton));
@@ -131,6 +131,28 @@ class Search {
     return false;
   }
 
+  // An end that muscles cannot carry is none: what was kept before it stays.
+  bool uncoupled(const FrameInstant& goal, std::span<const Unknowns> starts) {
+    if (settings_.max_sharing_updates == 0 || !problem_.frame().recruits()) return false;
+    const ForceDependentRecord kept = record_;
+    const Eigen::MatrixXd kept_coupling = coupling_;
+    uncoupled_ = true;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      problem_.uncouple_recruitment();
+      if (attempt(goal, starts[i], Approach::kUncoupled, static_cast<int>(i)) &&
+          problem_.recruited()->converged()) {
+        record_.sharing_settled = false;
+        return true;
+      }
+    }
+    const int iterations = record_.iterations, evaluations = record_.evaluations;
+    record_ = kept;
+    record_.iterations = iterations;
+    record_.evaluations = evaluations;
+    coupling_ = kept_coupling;
+    return false;
+  }
+
   void finish(const FrameInstant& goal, bool found) {
     hold(goal);
     problem_.use_coupling(coupling_);
@@ -189,6 +211,7 @@ class Search {
   const FrameInstant* held_ = nullptr;  // by the problem
   Eigen::MatrixXd first_coupling_;      // C that attempts begin with
   Eigen::MatrixXd coupling_;            // of the attempt kept
+  bool uncoupled_ = false;
   bool kept_ = false;
   double kept_residual_ = 0.0;
 };
@@ -237,6 +260,8 @@ std::string_view name(Approach approach) {
       return "substeps";
     case Approach::kSofterContact:
       return "softer_contact";
+    case Approach::kUncoupled:
+      return "uncoupled";
     case Approach::kFromOtherSide:
       return "from_other_side";
   }

@@ -8,6 +8,8 @@
 //      equilibrium; loads are mixed as wrenches about ground's origin
 //   3. continuation in stiffness: from the first start on a contact whose loads are multiplied by a
 //      small share, then larger ones, then 1
+//   4. Newton from each start with C = 0 (below): an equilibrium all the same, where muscles can
+//      balance their coordinates so, shared as if α were driven
 // Where none does, the attempt with the smallest residual is kept, and reported as what it is.
 //
 // Recruitment takes into account how α gives under the muscles' pull (musculoskeletal_frame.hpp):
@@ -59,7 +61,7 @@ std::string_view name(ForceDependentStatus status);
 std::string_view advice(ForceDependentStatus status);
 
 /// Which way led to the result; the last one is a trial's (trial_simulation.hpp).
-enum class Approach : int { kStart, kSubsteps, kSofterContact, kFromOtherSide };
+enum class Approach : int { kStart, kSubsteps, kSofterContact, kUncoupled, kFromOtherSide };
 std::string_view name(Approach approach);
 
 /// A time frame with everything that is known of it.
@@ -98,7 +100,7 @@ struct ForceDependentRecord {
   int substeps = 0;                                            ///< solved in continuation
   int sharing_updates = 0;                                     ///< of C in the attempt kept
   double sharing_change = 0.0;  ///< max |r_i|/tolerance_i that the last C changed [-]
-  bool sharing_settled = true;  ///< within the settings' sharing_tolerance
+  bool sharing_settled = true;  ///< within the settings' sharing_tolerance, and not `uncoupled`
   double remaining_m = 0.0, remaining_rad = 0.0;  ///< largest |J⁻¹ r|; NaN where J is singular
   double attainable_force = 0.0, attainable_moment = 0.0;  ///< [N, Nm]
   recruitment::RecruitmentStatus recruitment = recruitment::RecruitmentStatus::kConverged;

@@ -26,7 +26,7 @@ class TimeFrameRecord:
         status: ``converged``, ``not_converged``, ``recruitment_failed`` (muscles cannot carry the loads) or
             ``implausible_depth`` (in equilibrium, but too deep).
         message: the same in words, with coordinate, residual and what to do.
-        approach: which way led there: ``start``, ``substeps``, ``softer_contact``.
+        approach: which way led there: ``start``, ``substeps``, ``softer_contact``, ``uncoupled``, ``from_other_side``.
         worst_coordinate: of the largest residual in units of its tolerance.
         residual: (a,) net generalised force on the force-dependent coordinates [N, Nm].
         history: largest residual in units of its tolerance, before each Newton step and at the end.

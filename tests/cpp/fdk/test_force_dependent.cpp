@@ -187,6 +187,46 @@ TEST_CASE(
   CHECK((stepped.alpha - straight.alpha).cwiseAbs().maxCoeff() < 1e-4);  // as C has settled
 }
 
+TEST_CASE("where sharing leads nowhere, an equilibrium with muscles that share as if α were driven") {
+  Leg leg;
+  const Unknowns start = Unknowns::Zero(5);
+  ForceDependentSettings settings;
+  settings.newton.force_tolerance = 1e-6;
+  settings.newton.moment_tolerance = 1e-7;
+  settings.max_sharing_updates = 0;
+  const ForceDependentRecord driven =
+      solve_force_dependent(leg.problem, leg.instant, {&start, 1}, nullptr, settings);
+  REQUIRE(driven.converged());
+  // From there no step is needed without C, and more than one with it.
+  settings.max_sharing_updates = ForceDependentSettings{}.max_sharing_updates;
+  settings.newton.max_iterations = 1;
+  settings.softer_contact.clear();
+  const ForceDependentRecord record =
+      solve_force_dependent(leg.problem, leg.instant, {&driven.alpha, 1}, nullptr, settings);
+  INFO(record.message);
+  REQUIRE(record.status == ForceDependentStatus::kConverged);
+  CHECK(name(record.approach) == "uncoupled");
+  CHECK_FALSE(record.sharing_settled);
+  CHECK((record.alpha - driven.alpha).cwiseAbs().maxCoeff() < 1e-6);
+  CHECK(leg.problem.frame().used_coupling().isZero(0.0));
+}
+
+TEST_CASE("an equilibrium without C that muscles cannot carry is not taken for one") {
+  const model::Model model(test::patella_model_description());
+  const test::AnalyticContact knee;
+  const BodyContactDescription contact = test::leg_contact(knee);
+  MuscleEquilibrium problem(model, {}, {&contact, 1});
+  const FrameInstant instant = test::leg_instant(model, 0.35, 650.0, 0.05);
+  const Unknowns start = Unknowns::Zero(7);
+  ForceDependentSettings settings;
+  settings.newton.max_iterations = 2;
+  settings.softer_contact.clear();
+  const ForceDependentRecord record =
+      solve_force_dependent(problem, instant, {&start, 1}, nullptr, settings);
+  CHECK(record.status == ForceDependentStatus::kNotConverged);
+  CHECK(name(record.approach) == "start");
+}
+
 TEST_CASE("between two time frames loads act as their mixed wrenches") {
   Leg leg;
   const FrameInstant a = leg.instant, b = test::leg_instant(leg.model, 0.9, 1100.0);
