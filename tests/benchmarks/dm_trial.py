@@ -24,11 +24,13 @@ from condyle.model import (
     MusculoskeletalModel,
     SurfaceFile,
     Trial,
+    hinge_patella,
     joint_surfaces,
     read_trial,
     surface_files,
 )
 from condyle.surrogate import load_surrogate
+from condyle.whole_files import write_whole
 
 Floats = NDArray[np.float64]
 ROOT: Final = Path(__file__).parents[2]
@@ -67,7 +69,13 @@ class DmTrial:
 
 
 def read_dm_trial(
-    name: str, start: float, end: float, cache: Path = CACHE, *, repair_clock: bool = True
+    name: str,
+    start: float,
+    end: float,
+    cache: Path = CACHE,
+    *,
+    repair_clock: bool = True,
+    hinged: bool = False,
 ) -> DmTrial:
     """Reads a trial of the data; imports model and paths where the cache has none.
 
@@ -77,6 +85,7 @@ def read_dm_trial(
         end: last time [s].
         cache: a folder for what takes OpenSim to make.
         repair_clock: even out a rounded clock, see :func:`even_motion`.
+        hinged: with the patella of Marra et al. 2017 (:func:`condyle.model.hinge_patella`).
     """
     folder = DM / "trials" / name
     motion, repair = folder / "coordinates.sto", 0.0
@@ -84,6 +93,11 @@ def read_dm_trial(
         motion, repair = even_motion(motion, cache)
     model_file = _model_file(cache)
     model = MusculoskeletalModel.read(model_file)
+    if hinged:
+        hinge = hinge_patella(model, _surfaces(model), joint_surfaces(model))
+        hinged_file = cache / f"hinged_{model_file.name}"
+        write_whole(hinged_file, hinge.text())
+        model = MusculoskeletalModel.read(hinged_file)
     trial = read_trial(
         model,
         motion,
@@ -97,10 +111,9 @@ def read_dm_trial(
 
 
 def dm_contacts(subject: DmTrial, kind: str, surrogate: Path | None = None) -> list[BodyContact]:
-    """Tibiofemoral contact of a kind, and the patella's, which is ``fast`` beside all of them."""
+    """Tibiofemoral contact of a kind; the patella's, where it has one, is ``fast`` beside all of them."""
     model = subject.model
-    places = surface_files(model, [ROOT / "docs" / "examples" / "dm_surfaces.json"])
-    surfaces = {name: _in_data(place) for name, place in places.items()}
+    surfaces = _surfaces(model)
     joint = joint_surfaces(model)
     settings = ReferenceSettings(cache_directory=subject.cache)
     knee = tibiofemoral_contact(
@@ -112,6 +125,8 @@ def dm_contacts(subject: DmTrial, kind: str, surrogate: Path | None = None) -> l
         surrogate=None if surrogate is None else load_surrogate(surrogate),
         pressures=False,
     )
+    if joint.patella is None:
+        return [knee.contact]
     # A button may sink in deeper than a condyle: its rim is narrow.
     settings = replace(settings, plausible_depth=4e-3)
     patella = patellofemoral_contact(surfaces, joint, "right", settings=settings, pressures=False)
@@ -142,6 +157,11 @@ def even_clock(times: Floats, rate: float) -> Floats:
     """The evenly spaced times nearest to these, in least squares."""
     steps = np.arange(len(times)) / rate
     return np.asarray(np.mean(times - steps) + steps)
+
+
+def _surfaces(model: MusculoskeletalModel) -> dict[str, SurfaceFile]:
+    places = surface_files(model, [ROOT / "docs" / "examples" / "dm_surfaces.json"])
+    return {name: _in_data(place) for name, place in places.items()}
 
 
 def _in_data(place: SurfaceFile) -> SurfaceFile:

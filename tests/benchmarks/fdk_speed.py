@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long force-dependent kinematics of a recorded gait takes, by what evaluates the knee's contact.
+"""How long force-dependent kinematics of recorded activities takes, by what evaluates the knee's contact.
 
     OMP_NUM_THREADS=1 .venv/bin/python tests/benchmarks/fdk_speed.py [SURROGATE.onnx]
 
-Subject DM walking over ground (CONDYLE_DATA, or shared/data beside the project; needs `opensim` for the first run).
-On one core, in one run: the right foot's stance with `exact`, `fast` and the surrogate, then the whole window with the
-latter two. Timed is the equilibrium solution of all time frames, dynamics, paths, ligaments and muscles included, but
-no reading, no meshes' preparation and no pressures. The patella's contact is `fast` in all rows. Contact models take
-turns, and the quickest of their repeats counts.
+Subject DM (CONDYLE_DATA, or shared/data beside the project; needs `opensim` for the first run). On one core, in one
+run: the right foot's stance in gait with `exact`, `fast` and the surrogate, then the windows of
+docs/examples/dm_trials.toml with the latter two, once with the patella's own six coordinates and once with it on a
+hinge, as the paper had it. Timed is the equilibrium solution of all time frames, dynamics, paths, ligaments and muscles
+included, but no reading, no meshes' preparation and no pressures. The patella's contact, where it has one, is `fast`.
+Contact models take turns, and the quickest of their repeats counts.
 """
 
 from __future__ import annotations
@@ -23,9 +24,14 @@ from dm_trial import CACHE, MUSCLES, ROOT, DmTrial, dm_contacts, read_dm_trial
 from condyle.evaluation.paper_activities import PAPER_TIMES
 from condyle.fdk import BodyContact, TrialSimulation, TrialSimulationSettings, simulate_trial
 
-TRIAL = "DM_ngait_og1"
-STANCE, WINDOW = (2.406, 3.125), (2.0, 3.5)  # [s]
-Windows = dict[str, tuple[float, float]]
+STANCE = ("DM_ngait_og1", 2.406, 3.125)  # [s]
+WINDOWS = (
+    ("DM_ngait_og1", 2.0, 3.5),
+    ("DM_bouncy5", 1.5, 3.05),
+    ("DM_smooth1", 2.15, 3.7),
+    ("DM_crouch_tm1", 1.428, 5.8),
+)
+KINDS = ("exact", "fast", "surrogate")
 
 
 @dataclass(frozen=True)
@@ -55,23 +61,35 @@ def main() -> None:
             f"{options.surrogate}: no such file; `condyle run docs/examples/dm_trials.toml` makes one"
         )
     load = os.getloadavg()[0]
-    print(f"{TRIAL}, one thread; load average {load:.1f} on {os.cpu_count()} cores at the start")
-    for title, (start, end), kinds in (
-        ("stance", STANCE, ("exact", "fast", "surrogate")),
-        ("whole window", WINDOW, ("fast", "surrogate")),
-    ):
-        subject = read_dm_trial(TRIAL, start, end, options.cache)
-        contacts = {
-            kind: dm_contacts(subject, kind, options.surrogate if kind == "surrogate" else None)
-            for kind in kinds
-        }
-        repeats = {
-            kind: options.exact_repeats if kind == "exact" else options.repeats for kind in kinds
-        }
-        timings = measure(subject, contacts, repeats)
-        print(f"\n{title}, {start} to {end} s, {len(subject.trial)} time frames\n")
-        print_times(timings, subject)
-        print_phases(timings)
+    print(f"one thread; load average {load:.1f} on {os.cpu_count()} cores at the start")
+    report("stance", STANCE, KINDS, options)
+    for window in WINDOWS:
+        report("six coordinates of the patella", window, KINDS[1:], options)
+        report("patella on a hinge", window, KINDS[1:], options, hinged=True)
+
+
+def report(
+    title: str,
+    window: tuple[str, float, float],
+    kinds: tuple[str, ...],
+    options: argparse.Namespace,
+    *,
+    hinged: bool = False,
+) -> None:
+    """Measures a window and prints its tables."""
+    name, start, end = window
+    subject = read_dm_trial(name, start, end, options.cache, hinged=hinged)
+    contacts = {
+        kind: dm_contacts(subject, kind, options.surrogate if kind == "surrogate" else None)
+        for kind in kinds
+    }
+    repeats = {
+        kind: options.exact_repeats if kind == "exact" else options.repeats for kind in kinds
+    }
+    timings = measure(subject, contacts, repeats)
+    print(f"\n{name}, {title}, {start} to {end} s, {len(subject.trial)} time frames\n")
+    print_times(timings, subject)
+    print_phases(timings)
 
 
 def measure(
