@@ -195,6 +195,8 @@ def test_times_say_what_took_them(whole, tables):
     text = (root(whole) / "tables.md").read_text(encoding="utf-8")
     assert "## Wall times by phase" in text
     assert "figures/stand_loads.png" in text and "figures/late_kinematics.png" in text
+    for together in ("compressive_forces", "knee_kinematics", "stand_muscles", "late_muscles"):
+        assert f"figures/{together}.png" in text
 
 
 def test_the_domains_are_drawn_around_the_trials_that_are_named(whole):

@@ -15,6 +15,7 @@ from condyle.report.html_page import html_page
 from condyle.report.tables import render_tables
 from condyle.study.context import StudyContext
 from condyle.study.external_samples import has_stage
+from condyle.study.overview_figures import muscle_figures, overview_figures
 from condyle.study.pressure import pressure_pose
 from condyle.study.sample_figures import sample_figure_files
 from condyle.study.simulation_files import read_simulation
@@ -67,18 +68,19 @@ def _pressure_law(context: StudyContext) -> dict[str, str | float] | None:
 
 
 def _simulation_figures(context: StudyContext) -> list[Path]:
-    """Loads, kinematics and pressure of each activity; none without a reference contact."""
+    """All activities together, then loads, kinematics and pressure of each; none without a reference contact."""
     from condyle.report.simulation_figures import Trace, kinematics_figure, loads_figure
     from condyle.report.style import house_style, save
 
     if not has_stage(context.study, "simulate"):
         return []
     folder = context.directory.figures
-    made = []
+    made: list[Path] = []
+    # Two lines a panel: the first contact model that the study names beside the reference.
+    models = ("reference", context.study.simulate.contact[0])
+    shown: dict[str, list[Trace]] = {}
     with house_style():
         for name in context.activities:
-            # Two lines a panel: the first contact model that the study names beside the reference.
-            models = ("reference", context.study.simulate.contact[0])
             known, predicted = (
                 read_simulation(context.directory.simulations / f"{name}_{model}.csv")
                 for model in models
@@ -87,10 +89,15 @@ def _simulation_figures(context: StudyContext) -> list[Path]:
                 Trace(label, t["time"], t["wrenches"], t["kinematics"])
                 for label, t in zip(models, (known, predicted), strict=True)
             ]
+            shown[name] = traces
             made.append(save(loads_figure(name, traces), folder / f"{name}_loads.png"))
             made.append(save(kinematics_figure(name, traces), folder / f"{name}_kinematics.png"))
             made.append(_draw_pressure(context, name, known, folder / f"{name}_pressure.png"))
-    return made
+        return [
+            *overview_figures(context, shown),
+            *muscle_figures(context, models),
+            *made,
+        ]
 
 
 def _parity_figure(context: StudyContext) -> Path:
