@@ -66,7 +66,8 @@ void bind_settings(nb::module_& m) {
       .def_rw("max_sharing_updates", &F::max_sharing_updates)
       .def_rw("sharing_tolerance", &F::sharing_tolerance)
       .def_rw("max_substeps", &F::max_substeps)
-      .def_rw("softer_contact", &F::softer_contact);
+      .def_rw("softer_contact", &F::softer_contact)
+      .def_rw("uncoupled", &F::uncoupled);
   using S = fdk::TrialSimulationSettings;
   nb::class_<S>(m, "TrialSimulationSettings", "How a trial is simulated.")
       .def(nb::init<>())

@@ -79,6 +79,7 @@ std::string settings_text(const fdk::TrialSimulationSettings& settings) {
   solver.add_number("sharing_tolerance", settings.solver.sharing_tolerance);
   solver.add("max_substeps", number(settings.solver.max_substeps));
   solver.add("softer_contact", io::json_numbers(settings.solver.softer_contact));
+  solver.add("uncoupled", boolean(settings.solver.uncoupled));
   object.add("muscles", muscles_text(settings.muscles));
   object.add("newton", newton_text(settings.solver.newton));
   object.add("solver", solver.text());

@@ -12,6 +12,15 @@ LOAD_COLUMNS: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 SIDES: Final = ("medial", "lateral")
 #: medial_Fx ... medial_Mz, lateral_Fx ... lateral_Mz: a (2, 6) wrench, flattened row by row.
 WRENCH_COLUMNS: Final = tuple(f"{side}_{load}" for side in SIDES for load in LOAD_COLUMNS)
+#: Clinical kinematics (Grood and Suntay 1983), in the order of every (n, 6) array of them.
+KINEMATICS_COLUMNS: Final = (
+    "flexion_rad",
+    "adduction_rad",
+    "tibial_external_rotation_rad",
+    "anterior_tibial_translation_m",
+    "distraction_m",
+    "lateral_tibial_translation_m",
+)
 LOAD_UNITS: Final = ("N", "N", "N", "Nm", "Nm", "Nm")
 
 SideOfBody = Literal["left", "right"]

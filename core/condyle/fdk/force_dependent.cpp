@@ -133,8 +133,9 @@ class Search {
 
   // An end that muscles cannot carry is none: what was kept before it stays.
   bool uncoupled(const FrameInstant& goal, std::span<const Unknowns> starts) {
-    if (settings_.max_sharing_updates == 0 || !problem_.frame().recruits()) return false;
-    const ForceDependentRecord kept = record_;
+    if (!settings_.uncoupled || settings_.max_sharing_updates == 0) return false;
+    if (!problem_.frame().recruits()) return false;
+    ForceDependentRecord kept = record_;
     const Eigen::MatrixXd kept_coupling = coupling_;
     uncoupled_ = true;
     for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -145,10 +146,10 @@ class Search {
         return true;
       }
     }
-    const int iterations = record_.iterations, evaluations = record_.evaluations;
-    record_ = kept;
-    record_.iterations = iterations;
-    record_.evaluations = evaluations;
+    kept.iterations = record_.iterations;
+    kept.evaluations = record_.evaluations;
+    kept.regularised_steps = record_.regularised_steps;
+    record_ = std::move(kept);
     coupling_ = kept_coupling;
     return false;
   }

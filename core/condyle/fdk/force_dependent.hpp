@@ -45,6 +45,7 @@ struct ForceDependentSettings {
   int max_substeps = 16;  ///< smallest substep in time is 1/max_substeps; 1: none
   /// Shares, rising, each within (0, 1); empty: none.
   std::vector<double> softer_contact{0.01, 0.1};
+  bool uncoupled = true;  ///< whether C = 0 is the last way
 };
 
 /// Throws std::invalid_argument naming the setting, its value and its limit.

@@ -156,22 +156,24 @@ class Chunk {
 
   // A time frame in equilibrium found from nothing, or −1. A start from nothing may be out of reach at
   // one time frame and easy at another: a few are tried, the first, the middle one, quarters, eighths,
-  // by Newton alone and then over a softer contact; last of all every one by Newton.
+  // by Newton alone and then in every way; last of all the others by Newton.
   Eigen::Index enter() {
-    ForceDependentSettings settings = run_.settings.solver;
-    const std::vector<double> softer = std::exchange(settings.softer_contact, {});
-    for (const bool soft : {false, true}) {
-      if (soft) settings.softer_contact = softer;
-      Eigen::Index before = -1;
-      for (const int eighth : {0, 4, 2, 6, 1, 3, 5, 7}) {
-        const Eigen::Index row = first_ + (end_ - first_) * eighth / 8;
-        if (row != before && from_nothing(row, settings)) return row;
-        before = row;
+    std::vector<Eigen::Index> probes;
+    for (const int eighth : {0, 4, 2, 6, 1, 3, 5, 7}) {
+      const Eigen::Index row = first_ + (end_ - first_) * eighth / 8;
+      if (std::find(probes.begin(), probes.end(), row) == probes.end()) probes.push_back(row);
+    }
+    ForceDependentSettings cheap = run_.settings.solver;
+    cheap.softer_contact.clear();
+    cheap.uncoupled = false;
+    for (const ForceDependentSettings* settings : {&std::as_const(cheap), &run_.settings.solver}) {
+      for (const Eigen::Index row : probes) {
+        if (from_nothing(row, *settings)) return row;
       }
     }
-    settings.softer_contact.clear();
     for (Eigen::Index row = first_; row < end_; ++row) {
-      if (from_nothing(row, settings)) return row;
+      const bool tried = std::find(probes.begin(), probes.end(), row) != probes.end();
+      if (!tried && from_nothing(row, cheap)) return row;
     }
     return -1;
   }

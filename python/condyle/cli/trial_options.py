@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -103,16 +102,12 @@ def trial_inputs(
     model: Path, motion: Path, loads: Path | None, paths: Path | None
 ) -> dict[str, Path | None]:
     """The files that results come from, by what they are."""
+    from condyle.model.external_loads_table import external_loads_table
+
     return {
         "model": model,
         "motion": motion,
         "external_loads": loads,
-        "external_loads_table": None if loads is None else _table_of(loads),
+        "external_loads_table": external_loads_table(loads),
         "paths": paths,
     }
-
-
-def _table_of(loads: Path) -> Path | None:
-    """The table of an external-loads file that has been read."""
-    named = ElementTree.parse(loads).findtext(".//datafile")
-    return None if named is None else loads.parent / named.strip()

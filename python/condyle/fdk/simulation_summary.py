@@ -163,6 +163,7 @@ def settings_record(settings: _fdk.TrialSimulationSettings) -> dict[str, Any]:
             "sharing_tolerance": solver.sharing_tolerance,
             "max_substeps": solver.max_substeps,
             "softer_contact": list(solver.softer_contact),
+            "uncoupled": solver.uncoupled,
         },
         "keep_rates": settings.keep_rates,
         "extrapolation": settings.extrapolation,

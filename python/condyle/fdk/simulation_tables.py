@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 
 from condyle._core.contact import PairContactModel
 from condyle.contact.mesh_contact import MeshContact
-from condyle.conventions import LOAD_COLUMNS, LOAD_UNITS, POSE_COLUMNS, SIDES
+from condyle.conventions import (
+    KINEMATICS_COLUMNS,
+    LOAD_COLUMNS,
+    LOAD_UNITS,
+    POSE_COLUMNS,
+    SIDES,
+)
 from condyle.fdk.contact_pressures import ContactPressures
 from condyle.fdk.trial_simulation import TrialSimulation
 from condyle.model import MusculoskeletalModel
@@ -20,15 +26,6 @@ from condyle.model.analysis_files import generalised_force_columns
 
 Array = NDArray[np.float64]
 _POSE_UNITS: Final = ("m",) * 3 + ("rad",) * 3
-#: Grood and Suntay 1983, in the order of TrialSimulation.kinematics.
-KINEMATICS_COLUMNS: Final = (
-    "flexion_rad",
-    "adduction_rad",
-    "tibial_external_rotation_rad",
-    "anterior_tibial_translation_m",
-    "distraction_m",
-    "lateral_tibial_translation_m",
-)
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,11 @@ from condyle.evaluation.paper_activities import (
     printed_error,
 )
 from condyle.markdown import markdown_table, rounded
+from condyle.surrogate.paper_errors import above_the_paper
 
 Rows = Sequence[Mapping[str, Any]]
 #: (activity, contact, quantity)
 _Key = tuple[str, str, str]
-#: Figures above the paper's that are named one by one; of more, their being bold says enough.
-_MOST_NAMED: Final = 12
 _KINEMATICS_UNITS: Final = ("mm", "mm", "mm", "deg", "deg", "deg")
 #: What the paper's text says of R².
 _LOADS_R2: Final = "The paper's: above 0.99 on the medial side and above 0.98 on the lateral side."
@@ -181,16 +180,7 @@ def _illegible(row: Mapping[str, Any]) -> bool:
 def _verdict(comparison: Rows, form: _Form) -> str:
     if not comparison:
         return f"No activity here is of a kind that the paper's Table {form.number} has.\n"
-    worse = [c for c in comparison if c["above"]]
-    text = f"{len(worse)} of {len(comparison)} figures are above the paper's"
-    if len(worse) > _MOST_NAMED:
-        text += " (bold)"
-    elif worse:
-        names = {"rmse": "RMSE", "max_error": "maximum"}
-        shown = [
-            f"{c['activity']} {c['contact']} {c['quantity']} {names[c['measure']]}" for c in worse
-        ]
-        text += " (bold): " + ", ".join(shown)
+    text = above_the_paper(comparison, "activity", "contact", "quantity")
     return (
         f"{text}. The paper's (its Table {form.number}) are of another implant, subject and activity: an activity here "
         "stands beside one of the paper's of the same kind, by its name. A printed 0.00 is below 0.005.\n"

@@ -170,6 +170,8 @@ class StudyBody:
 
     def input_files(self, name: str, trial: TrialSection) -> dict[str, Path | None]:
         """Every file that a trial's simulation reads, by what it is."""
+        from condyle.model.external_loads_table import external_loads_table
+
         return {
             "model": self.model_file,
             "surfaces": self.section.surfaces,
@@ -194,17 +196,3 @@ def _same_mesh(one: Mesh, other: Mesh) -> bool:
     """Whether two meshes have the same faces, to the rounding of file formats and units."""
     a, b = (np.asarray(mesh.vertices)[np.asarray(mesh.faces)] for mesh in (one, other))
     return a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=_SAME)
-
-
-def external_loads_table(file: Path | None) -> Path | None:
-    """The table that an external-loads file names, if it does and it is there."""
-    import xml.etree.ElementTree as ElementTree
-
-    if file is None:
-        return None
-    try:
-        named = ElementTree.parse(file).findtext(".//datafile")
-    except (OSError, ElementTree.ParseError):
-        return None  # whoever reads the file for its loads says what is wrong with it
-    table = None if named is None else file.parent / named.strip()
-    return table if table is not None and table.is_file() else None

@@ -11,20 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from condyle.conventions import POSE_COLUMNS, WRENCH_COLUMNS
+from condyle.conventions import KINEMATICS_COLUMNS, POSE_COLUMNS, WRENCH_COLUMNS
 from condyle.whole_files import write_whole
 
 if TYPE_CHECKING:
     from condyle.study.activity import Simulated
 
-KINEMATICS_COLUMNS = (
-    "flexion_rad",
-    "adduction_rad",
-    "tibial_external_rotation_rad",
-    "anterior_tibial_translation_m",
-    "distraction_m",
-    "lateral_tibial_translation_m",
-)
 _NUMBERS = ("time_s", *POSE_COLUMNS, *KINEMATICS_COLUMNS, *WRENCH_COLUMNS, "residual", "trust")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from condyle.errors import CondyleError
 from condyle.study.activity import Outcome
 from condyle.study.body import StudyBody
 from condyle.study.body_sections import TrialSection
+from condyle.study.run_directory import digest_of_file
 
 if TYPE_CHECKING:
     from condyle.contact import ContactModel
@@ -101,19 +102,33 @@ class TrialActivity:
 
     def _contacts(self, model: ContactModel, contact: str) -> list[JointContact]:
         from condyle.fdk import BodyContact, JointContact
-        from condyle.fdk.joint_contacts import TIBIOFEMORAL
+        from condyle.fdk.joint_contacts import TIBIOFEMORAL, ContactKind
 
         body = self.body
         joint = body.joint
+        kind: ContactKind = body.context.study.contact.evaluation
+        if contact != "reference":
+            kind = "hybrid" if contact == "hybrid" else "surrogate"
         knee = JointContact(
             contact=BodyContact.between(
                 TIBIOFEMORAL, model, body.surfaces, joint.femur, joint.insert, body.side_of_body
             ),
-            kind="fast" if contact == "reference" else "surrogate",
+            kind=kind,
             reference=body.context.reference,
-            identity={"name": TIBIOFEMORAL, "contact": contact, **body.context.identity()},
+            identity=self._identity(contact),
         )
         return [knee] if body.patella is None else [knee, body.patella]
+
+    def _identity(self, contact: str) -> dict[str, Any]:
+        """The knee's contact by content."""
+        from condyle.fdk.joint_contacts import TIBIOFEMORAL
+
+        context = self.body.context
+        found = {"name": TIBIOFEMORAL, "contact": contact, **context.identity()}
+        if contact != "reference":
+            file = context.directory.surrogate
+            found["surrogate"] = {"name": file.name, "sha256": digest_of_file(file)}
+        return found
 
     def _residuals(
         self, found: TrialSimulation, settings: TrialSimulationSettings

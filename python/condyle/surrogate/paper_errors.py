@@ -84,7 +84,8 @@ def errors_markdown(rows: Rows) -> str:
             body.append(["", "", "paper", *figures])
     text = markdown_table(["domain", "side", "", *LOAD_COLUMNS], body)
     if comparison:
-        text += f"\n{_verdict(comparison)}\n"
+        count = above_the_paper(comparison, "domain", "side", "load")
+        text += f"\n{count}. The paper's are of its own implant, contact law and samples (its Table 2).\n"
     return text + "\nR² over loaded samples (the side carries Fy > 0):\n\n" + _r2_table(by_key)
 
 
@@ -97,7 +98,13 @@ def _cell(row: Mapping[str, Any], above: Iterable[tuple[str, ...]]) -> str:
     return f"{shown[0]} ({shown[1]})"
 
 
-def _verdict(comparison: Rows) -> str:
+def above_the_paper(comparison: Rows, *keys: str) -> str:
+    """How many figures are above the paper's, and which if they are few; no full stop.
+
+    Args:
+        comparison: rows with ``above``, ``measure`` (rmse or max_error) and what names them.
+        keys: what names them, in this order; ``domain`` stands before its number.
+    """
     worse = [c for c in comparison if c["above"]]
     text = f"{len(worse)} of {len(comparison)} figures are above the paper's"
     if len(worse) > _MOST_NAMED:
@@ -105,10 +112,13 @@ def _verdict(comparison: Rows) -> str:
     elif worse:
         names = {"rmse": "RMSE", "max_error": "maximum"}
         shown = [
-            f"domain {c['domain']} {c['side']} {c['load']} {names[c['measure']]}" for c in worse
+            " ".join(
+                [*(f"domain {c[k]}" if k == "domain" else c[k] for k in keys), names[c["measure"]]]
+            )
+            for c in worse
         ]
         text += " (bold): " + ", ".join(shown)
-    return text + ". The paper's are of its own implant, contact law and samples (its Table 2)."
+    return text
 
 
 def _r2_table(by_key: Mapping[tuple[str, str, str], Mapping[str, Any]]) -> str:

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+# What is beside these tests, and the small leg of others.
+for folder in (Path(__file__).parent, Path(__file__).parent.parent / "fdk"):
+    sys.path.insert(0, str(folder))
 
 
 @dataclass(frozen=True)

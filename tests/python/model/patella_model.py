@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from leg_model import Side
 
 from condyle._core.geometry import Mesh
 from condyle.contact import write_mesh
@@ -19,26 +20,6 @@ SIX = ("p_flex", "p_rot", "p_tilt", "p_tx", "p_ty", "p_tz")
 #: Defaults of the six: the button 1 to 2 mm in front of the groove and beside its bottom, a little turned.
 DEFAULTS = (0.21, 0.02, -0.03, 0.0435, 0.0065, 0.0012)
 DOME_RADIUS, DOME_HEIGHT, BASE = 0.024, 0.009, -0.0013
-
-
-class Side:
-    """Mirrors in z for a left knee, nothing for a right one."""
-
-    def __init__(self, side_of_body):
-        self.sign = -1.0 if side_of_body == "left" else 1.0
-
-    def vector(self, v):
-        return [float(v[0]), float(v[1]), self.sign * float(v[2])]
-
-    def turn(self, v):
-        return [self.sign * float(v[0]), self.sign * float(v[1]), float(v[2])]
-
-    def frame(self, body, translation, angles=(0.0, 0.0, 0.0)):
-        return {
-            "body": body,
-            "translation": self.vector(translation),
-            "orientation_xyz": self.turn(angles),
-        }
 
 
 @cache
